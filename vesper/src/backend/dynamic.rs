@@ -1,0 +1,68 @@
+//! The loop of a row law made at run time: one call of the closure for each row, in f64.
+
+use super::row::{RowCall, RowKernel};
+use super::{Compile, Compiled, Kernel, MAX_SLOTS};
+use crate::law::{DynLaw, Mode, Place};
+use crate::property::Role;
+use crate::real::{Isa, Scalar};
+
+impl Compile for DynLaw {
+    fn compile<P: Scalar>(&self) -> Compiled<P> {
+        Compiled {
+            signature: self.signature,
+            energy: false,
+            kernel: Kernel::Row(Box::new(Closure { slots: self.signature.slots(), law: self.clone() })),
+        }
+    }
+}
+
+struct Closure {
+    law: DynLaw,
+    slots: Vec<usize>,
+}
+
+impl<P: Scalar> RowKernel<P> for Closure {
+    unsafe fn run(&self, _isa: Isa, call: &RowCall<'_, P>) {
+        let Closure { law, slots } = self;
+        let mut numbers = [0.0; MAX_SLOTS];
+        let first = law.signature.inputs().count();
+        let (inputs, all) = (slots[first], slots[slots.len() - 1]);
+        for row in 0..call.rows {
+            for (port, slot) in law.signature.ports[..first].iter().zip(slots) {
+                let at = if port.place == Place::Scene { 0 } else { row };
+                for component in *slot..slot + port.property.kind.width() {
+                    // SAFETY: the caller promises the rows.
+                    numbers[component] = unsafe { (*call.slots[component].add(at)).to_f64() };
+                }
+            }
+            numbers[inputs..all].fill(0.0);
+            let (given, results) = numbers.split_at_mut(inputs);
+            (law.body)(given, &mut results[..all - inputs]);
+            for (port, slot) in law.signature.ports[first..].iter().zip(&slots[first..]) {
+                for component in *slot..slot + port.property.kind.width() {
+                    let value = P::from_f64(numbers[component]);
+                    // SAFETY: as above; a null slot belongs to a part that is not wanted.
+                    unsafe { write(port.mode, port.property.role, call, call.slots[component], row, value) };
+                }
+            }
+        }
+    }
+
+    unsafe fn energy(&self, _call: &RowCall<'_, P>) -> Option<f64> {
+        None
+    }
+}
+
+/// # Safety
+/// `to` points to the number of `row`, unless the value is a rate of a part that is not wanted.
+unsafe fn write<P: Scalar>(mode: Mode, role: Role, call: &RowCall<'_, P>, to: *mut P, row: usize, value: P) {
+    // SAFETY: passed on to the caller.
+    unsafe {
+        match (mode, call.advance) {
+            (Mode::Adds, _) => *to.add(row) += value,
+            (Mode::Rates, _) if !call.part.holds(&role) => {}
+            (Mode::Rates, Some(step)) => *to.add(row) += value * step,
+            _ => *to.add(row) = value,
+        }
+    }
+}

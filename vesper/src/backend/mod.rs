@@ -1,0 +1,83 @@
+//! The loops around the bodies.
+//!
+//! In: a law's body and pointers to columns. Out: kernels, one object for each law, whose body is compiled for one row
+//! at a time and for lanes, and chosen at run time. Every one of them gives the same bits: lanes round as scalars do,
+//! and the terms of a sum are added in the order of the rows. Never: an order of laws, an integrator.
+
+mod column;
+mod dynamic;
+mod link;
+mod pair;
+mod pointers;
+mod row;
+
+pub use column::column;
+pub use link::link;
+pub use pair::pair;
+pub use row::row;
+
+pub(crate) use column::ColumnKernel;
+pub(crate) use link::{LinkCall, LinkKernel, Strided};
+pub(crate) use pair::{PairCall, PairKernel};
+pub(crate) use pointers::{MAX_SLOTS, wants};
+pub(crate) use row::{RowCall, RowKernel};
+
+use crate::law::{Shape, Signature};
+use crate::real::Scalar;
+
+/// Rows that a group of row laws takes at a time: all laws of the group, then the next block. 512 rows of ten columns
+/// stay in the first cache; 128 to 512 were measured nearly equal, 4096 half as fast again.
+pub(crate) const BLOCK: usize = 512;
+
+/// A law whose body is known. Implemented by `#[kernel]`.
+#[diagnostic::on_unimplemented(
+    message = "law `{Self}` has no kernel",
+    label = "no `#[kernel] impl`",
+    note = "write `#[kernel] impl<R: Real> RowLaw<R> for ...` (or PairLaw, LinkLaw, ColumnLaw) beside the struct"
+)]
+pub trait Compile {
+    /// The law with its loops, in precision `P`.
+    fn compile<P: Scalar>(&self) -> Compiled<P>;
+}
+
+/// A law with its loops.
+pub struct Compiled<P: Scalar> {
+    pub(crate) signature: Signature,
+    pub(crate) kernel: Kernel<P>,
+    pub(crate) energy: bool,
+}
+
+impl<P: Scalar> core::fmt::Debug for Compiled<P> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Compiled").field("law", &self.signature.name).field("shape", &self.shape()).finish()
+    }
+}
+
+impl<P: Scalar> Compiled<P> {
+    /// What the law touches.
+    pub fn signature(&self) -> &Signature {
+        &self.signature
+    }
+
+    /// Whether its body knows its energy.
+    pub fn knows_energy(&self) -> bool {
+        self.energy
+    }
+
+    /// The shape of its body.
+    pub fn shape(&self) -> Shape {
+        match self.kernel {
+            Kernel::Row(_) => Shape::Row,
+            Kernel::Pair(_) => Shape::Pair,
+            Kernel::Link(_) => Shape::Link,
+            Kernel::Column(_) => Shape::Column,
+        }
+    }
+}
+
+pub(crate) enum Kernel<P: Scalar> {
+    Row(Box<dyn RowKernel<P>>),
+    Pair(Box<dyn PairKernel<P>>),
+    Link(Box<dyn LinkKernel<P>>),
+    Column(Box<dyn ColumnKernel<P>>),
+}

@@ -1,0 +1,178 @@
+//! The loop of a pair law: rows i in lanes, row j the same in all of them, the sums of i in registers.
+//!
+//! Every i has one owner and takes its j in the order of the rows, so the bits do not depend on the width of the lanes
+//! or on the number of threads.
+
+use super::pointers::{MAX_SLOTS, Rows, RowsMut, SUMS, Slots, Splat, StoreAll, Sums};
+use super::{Compiled, Kernel};
+use crate::law::{Declared, PairFamily, PairLaw, Signature};
+use crate::real::{Isa, Lanes, Scalar, WithLanes};
+
+/// One call of a pair kernel.
+pub(crate) struct PairCall<'a, P> {
+    /// A pointer for every component: to the first row, or to the one number of a constant, or null.
+    pub(crate) slots: &'a [*mut P],
+    /// All rows: the j of every pair.
+    pub(crate) rows: usize,
+    /// The rows i that this call sums for.
+    pub(crate) from: usize,
+    pub(crate) to: usize,
+}
+
+/// A pair law with its loop.
+pub(crate) trait PairKernel<P>: Send + Sync {
+    /// # Safety
+    /// Every slot is null where its port is absent, or points to `rows` numbers (one for a constant) that are valid;
+    /// nobody else touches rows `from..to` of what the law adds to.
+    unsafe fn run(&self, isa: Isa, call: &PairCall<'_, P>);
+    /// The energy of all pairs, where the law knows it.
+    ///
+    /// # Safety
+    /// As for `run`.
+    unsafe fn energy(&self, call: &PairCall<'_, P>) -> Option<f64>;
+}
+
+/// Makes the loop of a pair law.
+pub fn pair<P: Scalar, F: PairFamily>(law: &F) -> Compiled<P> {
+    const { assert!(added(&F::SIGNATURE) <= SUMS, "a pair law adds to at most 12 numbers") };
+    Compiled { signature: F::SIGNATURE, energy: F::ENERGY, kernel: Kernel::Pair(Box::new(law.clone())) }
+}
+
+/// The first slot that the law adds to: outputs follow the inputs.
+const fn first_output(signature: &Signature) -> usize {
+    let (mut port, mut slot) = (0, 0);
+    while port < signature.ports.len() && signature.ports[port].mode.is_input() {
+        slot += signature.ports[port].property.kind.width();
+        port += 1;
+    }
+    slot
+}
+
+const fn added(signature: &Signature) -> usize {
+    let (mut port, mut slots) = (0, 0);
+    while port < signature.ports.len() {
+        slots += signature.ports[port].property.kind.width();
+        port += 1;
+    }
+    assert!(slots <= MAX_SLOTS, "a law touches at most 64 numbers");
+    slots - first_output(signature)
+}
+
+impl<P: Scalar, F: PairFamily> PairKernel<P> for F {
+    unsafe fn run(&self, isa: Isa, call: &PairCall<'_, P>) {
+        P::with_lanes(isa, Task { law: self, call });
+    }
+
+    unsafe fn energy(&self, call: &PairCall<'_, P>) -> Option<f64> {
+        if !F::ENERGY {
+            return None;
+        }
+        let slots = Slots::copied(call.slots);
+        let law = self.kernel::<P>();
+        // SAFETY: the caller promises the rows.
+        let load = |row| unsafe { <F::Kernel<P> as Declared<P>>::load(&Rows::<P>::new(&slots, row)) };
+        let mut energy = 0.0;
+        for i in 0..call.rows {
+            let row = load(i);
+            for j in i + 1..call.rows {
+                energy += law.energy(row, load(j)).to_f64();
+            }
+        }
+        Some(energy)
+    }
+}
+
+struct Task<'a, P, F> {
+    law: &'a F,
+    call: &'a PairCall<'a, P>,
+}
+
+impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
+    const FIRST: usize = first_output(&F::SIGNATURE);
+    const ADDED: usize = added(&F::SIGNATURE);
+
+    /// What all other rows do to the rows of one set of lanes.
+    #[inline(always)]
+    fn sum<R: Lanes<P>>(law: &F::Kernel<R>, slots: &Slots<P>, i: usize, rows: usize) {
+        // SAFETY (of all blocks here): `PairKernel::run` was promised the rows.
+        let row_i = <F::Kernel<R> as Declared<R>>::load(&unsafe { Rows::<P>::new(slots, i) });
+        let mut sums = Sums::zero(Self::FIRST);
+        let share = |j: usize| {
+            // SAFETY: see above.
+            let row_j = <F::Kernel<R> as Declared<R>>::load(&unsafe { Splat::new(slots, j) });
+            let mut share = Sums::zero(Self::FIRST);
+            <F::Kernel<R> as Declared<R>>::store(law.pair(row_i, row_j), &mut share);
+            share
+        };
+        let add = |sums: &mut Sums<R>, others: core::ops::Range<usize>| {
+            for j in others {
+                let share = share(j);
+                for (sum, share) in sums.values[..Self::ADDED].iter_mut().zip(share.values) {
+                    *sum += share;
+                }
+            }
+        };
+        add(&mut sums, 0..i);
+        Self::sum_own(&share, &mut sums, i..i + R::WIDTH);
+        add(&mut sums, i + R::WIDTH..rows);
+        // SAFETY: see above.
+        let mut sink = unsafe { RowsMut::<P, R, StoreAll>::new(slots, i, R::lit(0.0)) };
+        for (k, sum) in sums.values[..Self::ADDED].iter().enumerate() {
+            crate::law::Sink::add(&mut sink, Self::FIRST + k, *sum);
+        }
+    }
+
+    /// What the rows of the lanes do to each other: in one lane i is j, and that lane's sum stays as it is.
+    #[inline(always)]
+    fn sum_own<R: Lanes<P>>(share: &impl Fn(usize) -> Sums<R>, sums: &mut Sums<R>, own: core::ops::Range<usize>) {
+        let lane = R::from_lanes(|lane| P::from_f64(lane as f64));
+        for (index, j) in own.enumerate() {
+            let itself = lane.equal(R::lit(index as f64));
+            let share = share(j);
+            for (sum, share) in sums.values[..Self::ADDED].iter_mut().zip(share.values) {
+                *sum = R::select(itself, *sum, *sum + share);
+            }
+        }
+    }
+}
+
+impl<P: Scalar, F: PairFamily> WithLanes<P> for Task<'_, P, F> {
+    type Output = ();
+    #[inline(always)]
+    fn with<R: Lanes<P>>(self) {
+        let slots = Slots::copied(self.call.slots);
+        let mut i = self.call.from;
+        if R::WIDTH > 1 && i + R::WIDTH <= self.call.to {
+            let law = self.law.kernel::<R>();
+            while i + R::WIDTH <= self.call.to {
+                Self::sum::<R>(&law, &slots, i, self.call.rows);
+                i += R::WIDTH;
+            }
+        }
+        let law = self.law.kernel::<P>();
+        while i < self.call.to {
+            Self::sum_one(&law, &slots, i, self.call.rows);
+            i += 1;
+        }
+    }
+}
+
+impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
+    /// The same for one row that no lanes are left for; the body is not called for the row itself.
+    #[inline(always)]
+    fn sum_one(law: &F::Kernel<P>, slots: &Slots<P>, i: usize, rows: usize) {
+        // SAFETY (of all blocks here): `PairKernel::run` was promised the rows.
+        let row_i = <F::Kernel<P> as Declared<P>>::load(&unsafe { Rows::<P>::new(slots, i) });
+        let mut sums = Sums::zero(Self::FIRST);
+        for j in (0..i).chain(i + 1..rows) {
+            // SAFETY: see above.
+            let row_j = <F::Kernel<P> as Declared<P>>::load(&unsafe { Rows::<P>::new(slots, j) });
+            <F::Kernel<P> as Declared<P>>::store(law.pair(row_i, row_j), &mut sums);
+        }
+        // SAFETY: see above.
+        let mut sink = unsafe { RowsMut::<P, P, StoreAll>::new(slots, i, P::default()) };
+        for (k, sum) in sums.values[..Self::ADDED].iter().enumerate() {
+            crate::law::Sink::add(&mut sink, Self::FIRST + k, *sum);
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! Memory of one component of an owned column: aligned to the cache line, and staggered, so that the streams of a law
+//! that reads ten columns do not meet in the same sets of the cache.
+
+use core::alloc::Layout;
+use core::ptr::NonNull;
+use std::alloc::{alloc_zeroed, dealloc, handle_alloc_error};
+
+const CACHE_LINE: usize = 64;
+/// Columns start at one of this many different cache lines within a page.
+const STAGGER: usize = 16;
+
+/// Numbers at an aligned address that only changes in [`Aligned::resize`].
+///
+/// All access goes through one raw pointer, so a pointer taken once stays good while slices come and go.
+pub(crate) struct Aligned<P> {
+    start: NonNull<P>,
+    len: usize,
+    capacity: usize,
+    lead: usize,
+}
+
+// SAFETY: it owns its memory; `P` is a plain number.
+unsafe impl<P: Send> Send for Aligned<P> {}
+// SAFETY: as above; shared access only reads.
+unsafe impl<P: Sync> Sync for Aligned<P> {}
+
+impl<P: Copy + Default> Aligned<P> {
+    /// `len` zeros. `stream` is the number of the component among those that are read together.
+    pub(crate) fn zeros(len: usize, stream: usize) -> Self {
+        let lead = (stream % STAGGER) * CACHE_LINE / size_of::<P>();
+        let mut numbers = Aligned { start: NonNull::dangling(), len: 0, capacity: 0, lead };
+        numbers.resize(len);
+        numbers
+    }
+
+    fn layout(&self, capacity: usize) -> Layout {
+        let bytes = (capacity + self.lead).saturating_mul(size_of::<P>());
+        // A request beyond the address space cannot be met by any allocator: report it as out of memory.
+        Layout::from_size_align(bytes, CACHE_LINE).unwrap_or_else(|_| handle_alloc_error(Layout::new::<P>()))
+    }
+
+    /// Keeps the first numbers, adds zeros.
+    pub(crate) fn resize(&mut self, len: usize) {
+        if len > self.capacity {
+            let capacity = len.max(self.capacity * 2);
+            let layout = self.layout(capacity);
+            // SAFETY: the layout is not empty, because `len > 0`.
+            let raw = unsafe { alloc_zeroed(layout) };
+            let Some(base) = NonNull::new(raw.cast::<P>()) else { handle_alloc_error(layout) };
+            // SAFETY: the block has `lead + capacity` numbers.
+            let start = unsafe { base.add(self.lead) };
+            // SAFETY: both hold `len` numbers and are different blocks.
+            unsafe { start.copy_from_nonoverlapping(self.start, self.len) };
+            self.free();
+            self.start = start;
+            self.capacity = capacity;
+        } else if len > self.len {
+            let from = self.len;
+            self.len = len;
+            self.as_mut_slice()[from..].fill(P::default());
+        }
+        self.len = len;
+    }
+}
+
+impl<P> Aligned<P> {
+    fn free(&mut self) {
+        if self.capacity > 0 {
+            let bytes = (self.capacity + self.lead) * size_of::<P>();
+            // SAFETY: this is the layout that `resize` allocated with, and `start` is `lead` numbers into the block.
+            unsafe {
+                let base = self.start.sub(self.lead);
+                dealloc(base.as_ptr().cast(), Layout::from_size_align_unchecked(bytes, CACHE_LINE));
+            }
+            self.capacity = 0;
+        }
+    }
+
+    pub(crate) fn as_slice(&self) -> &[P] {
+        // SAFETY: `len` numbers are initialised, by zeros at least.
+        unsafe { core::slice::from_raw_parts(self.start.as_ptr(), self.len) }
+    }
+
+    pub(crate) fn as_mut_slice(&mut self) -> &mut [P] {
+        // SAFETY: as above, and `&mut self` is the only access.
+        unsafe { core::slice::from_raw_parts_mut(self.start.as_ptr(), self.len) }
+    }
+
+    /// The first number. Good until the next `resize`.
+    pub(crate) fn pointer(&self) -> *mut P {
+        self.start.as_ptr()
+    }
+}
+
+impl<P> Drop for Aligned<P> {
+    fn drop(&mut self) {
+        self.free();
+    }
+}
+
+impl<P: Copy + Default> Clone for Aligned<P> {
+    fn clone(&self) -> Self {
+        let mut copy = Aligned { start: NonNull::dangling(), len: 0, capacity: 0, lead: self.lead };
+        copy.resize(self.len);
+        copy.as_mut_slice().copy_from_slice(self.as_slice());
+        copy
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Aligned;
+
+    #[test]
+    fn numbers_survive_growth_and_new_ones_are_zero() {
+        let mut numbers = Aligned::<f64>::zeros(3, 5);
+        numbers.as_mut_slice().copy_from_slice(&[1.0, 2.0, 3.0]);
+        numbers.resize(2);
+        numbers.resize(1000);
+        assert_eq!(&numbers.as_slice()[..4], &[1.0, 2.0, 0.0, 0.0]);
+        assert_eq!(numbers.pointer() as usize % 64, 0);
+        let copy = numbers.clone();
+        drop(numbers);
+        assert_eq!(copy.as_slice().len(), 1000);
+    }
+
+    #[test]
+    fn a_pointer_taken_once_outlives_slices() {
+        let mut numbers = Aligned::<f32>::zeros(4, 0);
+        let pointer = numbers.pointer();
+        numbers.as_mut_slice()[1] = 2.0;
+        // SAFETY: no resize since the pointer was taken.
+        assert_eq!(unsafe { *pointer.add(1) }, 2.0);
+    }
+
+    #[test]
+    fn an_empty_column_allocates_nothing() {
+        let numbers = Aligned::<f32>::zeros(0, 3);
+        assert!(numbers.as_slice().is_empty());
+    }
+}

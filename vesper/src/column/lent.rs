@@ -1,0 +1,158 @@
+//! The client's own memory, used in place: interleaved, as clients and graphics interfaces have it.
+//!
+//! In: a vector of values, or raw memory. Out: a handle that client and engine share; the engine holds it while it
+//! advances, the client between frames. Never: a copy.
+
+use crate::error::Fault;
+use crate::real::Scalar;
+use core::ptr::NonNull;
+use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
+
+/// Values that the client keeps and lends to a column, `N` numbers per row, one row after the other.
+///
+/// ```
+/// use vesper::prelude::*;
+/// let positions = Lent::new(vec![[0.0_f32, 0.0, 10.0]; 3]);
+/// let bodies = Domain::new("bodies").lend(Position, &positions);
+/// assert_eq!(positions.read()[2], [0.0, 0.0, 10.0]);
+/// ```
+#[derive(Debug)]
+pub struct Lent<P, const N: usize>(pub(crate) Arc<RwLock<Memory<P, N>>>);
+
+impl<P, const N: usize> Clone for Lent<P, N> {
+    fn clone(&self) -> Self {
+        Lent(Arc::clone(&self.0))
+    }
+}
+
+/// A vector that moved in, or memory that somebody else owns.
+#[derive(Debug)]
+pub enum Memory<P, const N: usize> {
+    /// A vector that moved in; rows can be added and removed.
+    Vector(Vec<[P; N]>),
+    /// Memory of somebody else; its rows are fixed.
+    Raw(NonNull<[P; N]>, usize),
+}
+
+// SAFETY: whoever made a `Raw` promised that nobody else touches the memory while a guard is out.
+unsafe impl<P: Send, const N: usize> Send for Memory<P, N> {}
+// SAFETY: as above.
+unsafe impl<P: Sync, const N: usize> Sync for Memory<P, N> {}
+
+impl<P, const N: usize> core::ops::Deref for Memory<P, N> {
+    type Target = [[P; N]];
+    fn deref(&self) -> &[[P; N]] {
+        match self {
+            Memory::Vector(rows) => rows,
+            // SAFETY: `from_raw` was promised this many readable rows.
+            Memory::Raw(start, rows) => unsafe { core::slice::from_raw_parts(start.as_ptr(), *rows) },
+        }
+    }
+}
+
+impl<P, const N: usize> core::ops::DerefMut for Memory<P, N> {
+    fn deref_mut(&mut self) -> &mut [[P; N]] {
+        match self {
+            Memory::Vector(rows) => rows,
+            // SAFETY: `from_raw` was promised this many writable rows.
+            Memory::Raw(start, rows) => unsafe { core::slice::from_raw_parts_mut(start.as_ptr(), *rows) },
+        }
+    }
+}
+
+impl<P, const N: usize> Lent<P, N> {
+    /// Lends the values of a vector, which moves in without being copied.
+    pub fn new(rows: Vec<[P; N]>) -> Self {
+        Lent(Arc::new(RwLock::new(Memory::Vector(rows))))
+    }
+
+    /// Lends memory that somebody else owns.
+    ///
+    /// # Safety
+    /// `start` points to `rows` rows of `N` numbers, which stay valid while this handle or a clone of it lives, and
+    /// which nobody touches while the engine advances or a guard is out.
+    pub unsafe fn from_raw(start: NonNull<[P; N]>, rows: usize) -> Self {
+        Lent(Arc::new(RwLock::new(Memory::Raw(start, rows))))
+    }
+
+    /// The values, to look at. While the guard lives the engine answers [`Fault::Borrowed`].
+    pub fn read(&self) -> RwLockReadGuard<'_, Memory<P, N>> {
+        self.0.read().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The values, to change. While the guard lives the engine answers [`Fault::Borrowed`].
+    pub fn write(&self) -> RwLockWriteGuard<'_, Memory<P, N>> {
+        self.0.write().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A lent column of any width, as a column sees it.
+pub(crate) trait LentMemory<P>: Send + Sync + core::fmt::Debug {
+    fn rows(&self) -> usize;
+    fn width(&self) -> usize;
+    /// Runs `then` with the numbers and the count of rows, while nobody else can touch them. False if somebody does.
+    fn hold(&self, then: &mut dyn FnMut(*mut P, usize)) -> bool;
+    /// Adds rows of these numbers, if the memory can grow.
+    fn extend(&self, numbers: &[P]) -> Result<(), &'static str>;
+    /// Keeps the rows that `keep` says, if the memory can shrink.
+    fn retain(&self, keep: &[bool]) -> Result<(), &'static str>;
+    fn get(&self, row: usize, component: usize) -> P;
+    fn set(&self, row: usize, component: usize, value: P);
+}
+
+const FIXED: &str = "is raw memory of a fixed number of rows";
+
+impl<P: Scalar, const N: usize> LentMemory<P> for Lent<P, N> {
+    fn rows(&self) -> usize {
+        self.read().len()
+    }
+    fn width(&self) -> usize {
+        N
+    }
+    fn hold(&self, then: &mut dyn FnMut(*mut P, usize)) -> bool {
+        let mut memory = match self.0.try_write() {
+            Ok(memory) => memory,
+            Err(TryLockError::Poisoned(memory)) => memory.into_inner(),
+            Err(TryLockError::WouldBlock) => return false,
+        };
+        let (start, rows) = (memory.as_mut_ptr().cast(), memory.len());
+        then(start, rows);
+        true
+    }
+    fn extend(&self, numbers: &[P]) -> Result<(), &'static str> {
+        match &mut *self.write() {
+            Memory::Vector(rows) => {
+                rows.extend(numbers.as_chunks::<N>().0);
+                Ok(())
+            }
+            Memory::Raw(..) => Err(FIXED),
+        }
+    }
+    fn retain(&self, keep: &[bool]) -> Result<(), &'static str> {
+        match &mut *self.write() {
+            Memory::Vector(rows) => {
+                let mut kept = keep.iter();
+                rows.retain(|_| kept.next().copied().unwrap_or(true));
+                Ok(())
+            }
+            Memory::Raw(..) => Err(FIXED),
+        }
+    }
+    fn get(&self, row: usize, component: usize) -> P {
+        self.read()[row][component]
+    }
+    fn set(&self, row: usize, component: usize, value: P) {
+        self.write()[row][component] = value;
+    }
+}
+
+impl Fault {
+    pub(crate) fn client_memory(domain: &str, property: &str, cannot: &str, why: &str) -> Fault {
+        Fault::ClientMemory {
+            domain: domain.to_owned(),
+            property: property.to_owned(),
+            cannot: cannot.to_owned(),
+            mend: format!("it {why}"),
+        }
+    }
+}

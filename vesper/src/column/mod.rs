@@ -1,0 +1,212 @@
+//! One property on one domain: where the numbers are.
+//!
+//! In: values of the client. Out: [`Column`], read and written row by row from outside, and by pointer from the
+//! backends. Owned vectors are split, x, y and z in arrays of their own (measured 2.5 to 5 times faster than arrays of
+//! vectors); lent ones stay as the client has them. Never: a law, a unit conversion.
+
+mod aligned;
+mod lent;
+mod values;
+
+pub(crate) use aligned::Aligned;
+pub(crate) use lent::LentMemory;
+pub use lent::{Lent, Memory};
+pub use values::Values;
+
+use crate::error::Fault;
+use crate::property::PropertyInfo;
+use crate::real::Scalar;
+use std::sync::Arc;
+
+/// One property on one domain.
+#[derive(Clone, Debug)]
+pub struct Column<P: Scalar> {
+    pub(crate) info: PropertyInfo,
+    pub(crate) storage: Storage<P>,
+    /// The rows that have a value, ascending; `None` where all have.
+    pub(crate) subset: Option<Vec<u32>>,
+    /// Whether the client gave it; else a law's result made it.
+    pub(crate) given: bool,
+}
+
+/// Where a column's numbers are.
+#[derive(Clone)]
+pub(crate) enum Storage<P: Scalar> {
+    /// One array for each component.
+    Split(Vec<Aligned<P>>),
+    /// The client's memory, one row after the other.
+    Lent(Arc<dyn LentMemory<P>>),
+    /// Rows of the domain of this name, `arity` for each row.
+    Link { target: String, arity: usize, rows: Vec<u32> },
+}
+
+impl<P: Scalar> core::fmt::Debug for Storage<P> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Storage::Split(components) => f.debug_list().entries(components.iter().map(Aligned::as_slice)).finish(),
+            Storage::Lent(memory) => memory.fmt(f),
+            Storage::Link { target, rows, .. } => {
+                f.debug_struct("Link").field("target", target).field("rows", rows).finish()
+            }
+        }
+    }
+}
+
+impl<P: Scalar> Column<P> {
+    /// A column of zeros that the framework makes for a law's results.
+    pub(crate) fn computed(info: PropertyInfo, rows: usize, stream: usize) -> Self {
+        let components = (0..info.kind.width()).map(|c| Aligned::zeros(rows, stream + c)).collect();
+        Column { info, storage: Storage::Split(components), subset: None, given: false }
+    }
+
+    /// The property.
+    pub fn property(&self) -> &PropertyInfo {
+        &self.info
+    }
+
+    /// Whether the client gave it; else it holds a law's results.
+    pub fn is_given(&self) -> bool {
+        self.given
+    }
+
+    /// The rows that have a value, ascending; `None` where all rows have.
+    pub fn subset(&self) -> Option<&[u32]> {
+        self.subset.as_deref()
+    }
+
+    /// How many values there are.
+    pub fn len(&self) -> usize {
+        match &self.storage {
+            Storage::Split(components) => components[0].as_slice().len(),
+            Storage::Lent(memory) => memory.rows(),
+            Storage::Link { arity, rows, .. } => rows.len() / arity,
+        }
+    }
+
+    /// Whether there is no value.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The arrays of the components (x, y, z), where the column is owned and holds numbers.
+    pub fn components(&self) -> Option<Vec<&[P]>> {
+        match &self.storage {
+            Storage::Split(components) => Some(components.iter().map(Aligned::as_slice).collect()),
+            Storage::Lent(_) | Storage::Link { .. } => None,
+        }
+    }
+
+    /// The arrays of the components, to change.
+    pub fn components_mut(&mut self) -> Option<Vec<&mut [P]>> {
+        match &mut self.storage {
+            Storage::Split(components) => Some(components.iter_mut().map(Aligned::as_mut_slice).collect()),
+            Storage::Lent(_) | Storage::Link { .. } => None,
+        }
+    }
+
+    /// The domain linked to and the rows, `arity` for each row, where the column is a link.
+    pub fn links(&self) -> Option<(&str, usize, &[u32])> {
+        match &self.storage {
+            Storage::Link { target, arity, rows } => Some((target, *arity, rows)),
+            Storage::Split(_) | Storage::Lent(_) => None,
+        }
+    }
+
+    /// Number `component` of value `index` (of the subset, where there is one). 0 for a link.
+    pub(crate) fn number(&self, index: usize, component: usize) -> P {
+        match &self.storage {
+            Storage::Split(components) => components[component].as_slice()[index],
+            Storage::Lent(memory) => memory.get(index, component),
+            Storage::Link { .. } => P::default(),
+        }
+    }
+
+    pub(crate) fn set_number(&mut self, index: usize, component: usize, value: P) {
+        match &mut self.storage {
+            Storage::Split(components) => components[component].as_mut_slice()[index] = value,
+            Storage::Lent(memory) => memory.set(index, component, value),
+            Storage::Link { .. } => {}
+        }
+    }
+
+    /// Where the value of `row` is, if the row has one.
+    pub(crate) fn index_of(&self, row: usize) -> Option<usize> {
+        match &self.subset {
+            None => (row < self.len()).then_some(row),
+            Some(rows) => u32::try_from(row).ok().and_then(|row| rows.binary_search(&row).ok()),
+        }
+    }
+
+    /// Adds values: `width` numbers each.
+    pub(crate) fn extend(&mut self, domain: &str, numbers: &[P]) -> Result<(), Fault> {
+        match &mut self.storage {
+            Storage::Split(components) => {
+                let width = components.len();
+                let old = components[0].as_slice().len();
+                for (c, component) in components.iter_mut().enumerate() {
+                    component.resize(old + numbers.len() / width);
+                    for (slot, value) in component.as_mut_slice()[old..].iter_mut().zip(numbers.chunks_exact(width)) {
+                        *slot = value[c];
+                    }
+                }
+                Ok(())
+            }
+            Storage::Lent(memory) => {
+                memory.extend(numbers).map_err(|why| Fault::client_memory(domain, self.info.name, "grow", why))
+            }
+            Storage::Link { .. } => Ok(()),
+        }
+    }
+
+    /// Keeps the rows that `keep` says, and numbers the subset's rows anew.
+    pub(crate) fn retain(&mut self, domain: &str, keep: &[bool]) -> Result<(), Fault> {
+        let of_values: Vec<bool> = match &self.subset {
+            None => keep.to_vec(),
+            Some(rows) => rows.iter().map(|&row| keep[row as usize]).collect(),
+        };
+        match &mut self.storage {
+            Storage::Split(components) => {
+                for component in components {
+                    let numbers = component.as_mut_slice();
+                    let mut to = 0;
+                    for from in 0..numbers.len() {
+                        if of_values[from] {
+                            numbers[to] = numbers[from];
+                            to += 1;
+                        }
+                    }
+                    component.resize(to);
+                }
+            }
+            Storage::Lent(memory) => {
+                memory.retain(&of_values).map_err(|why| Fault::client_memory(domain, self.info.name, "shrink", why))?
+            }
+            Storage::Link { arity, rows, .. } => {
+                *rows = rows
+                    .chunks_exact(*arity)
+                    .zip(&of_values)
+                    .filter(|(_, keep)| **keep)
+                    .flat_map(|(rows, _)| rows.iter().copied())
+                    .collect();
+            }
+        }
+        if let Some(subset) = &mut self.subset {
+            let moved = renumbering(keep);
+            *subset = subset.iter().filter_map(|&row| moved[row as usize]).collect();
+        }
+        Ok(())
+    }
+}
+
+/// The new number of each row, where it is kept.
+pub(crate) fn renumbering(keep: &[bool]) -> Vec<Option<u32>> {
+    let mut next = 0;
+    keep.iter()
+        .map(|&keep| {
+            keep.then(|| {
+                next += 1;
+                next - 1
+            })
+        })
+        .collect()
+}

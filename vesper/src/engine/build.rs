@@ -1,0 +1,390 @@
+//! From domains, fields and laws to an engine, or to everything that is wrong with them.
+
+use super::{Clock, Engine};
+use crate::backend::{Compile, Compiled};
+use crate::column::Values;
+use crate::domain::{AsProperty, Domain, SCENE};
+use crate::error::{Fault, Faults};
+use crate::field::Field;
+use crate::integrate::{Integrator, Leapfrog};
+use crate::pipeline::{Chain, Chained, Listed, Machine, Pipeline};
+use crate::property::PropertyInfo;
+use crate::real::{Isa, Scalar};
+use crate::registry::{Backend, Entry, Options, Report, Status};
+use crate::state::State;
+use std::sync::Arc;
+
+/// A law as it can be listed: a law, or a law with options.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` cannot be listed as a law",
+    note = "it needs `#[derive(Law)]` and a `#[kernel]`; parameters are given in f64"
+)]
+pub trait Listing {
+    /// The law with its loops.
+    fn compiled<P: Scalar>(&self) -> Compiled<P>;
+    /// How it is used.
+    fn options(&self) -> Options;
+}
+
+impl<L: Compile> Listing for L {
+    fn compiled<P: Scalar>(&self) -> Compiled<P> {
+        self.compile()
+    }
+    fn options(&self) -> Options {
+        Options::default()
+    }
+}
+
+/// A law with options; made by the methods of [`Place`].
+#[derive(Clone, Debug)]
+pub struct Placed<L> {
+    law: L,
+    options: Options,
+}
+
+impl<L: Compile> Listing for Placed<L> {
+    fn compiled<P: Scalar>(&self) -> Compiled<P> {
+        self.law.compile()
+    }
+    fn options(&self) -> Options {
+        self.options.clone()
+    }
+}
+
+impl<L> Placed<L> {
+    fn with(mut self, change: impl FnOnce(&mut Options)) -> Self {
+        change(&mut self.options);
+        self
+    }
+
+    /// Stands on this domain.
+    #[must_use]
+    pub fn on(self, domain: &str) -> Self {
+        self.with(|options| options.domain = Some(domain.to_owned()))
+    }
+
+    /// Has this name of its own.
+    #[must_use]
+    pub fn label(self, label: &str) -> Self {
+        self.with(|options| options.label = Some(label.to_owned()))
+    }
+
+    /// Is evaluated on every n-th step, and held between.
+    #[must_use]
+    pub fn every(self, steps: u32) -> Self {
+        self.with(|options| options.every = steps)
+    }
+
+    /// Runs there.
+    #[must_use]
+    pub fn backend(self, backend: Backend) -> Self {
+        self.with(|options| options.backend = backend)
+    }
+
+    /// Is switched off at first.
+    #[must_use]
+    pub fn off(self) -> Self {
+        self.with(|options| options.enabled = false)
+    }
+
+    /// Must run: dormancy is a fault.
+    #[must_use]
+    pub fn required(self) -> Self {
+        self.with(|options| options.required = true)
+    }
+}
+
+/// Options of a law, written behind it: `Gravity::default().on("stars").every(4)`.
+pub trait Place: Compile + Sized {
+    /// The law with options, none set.
+    fn placed(self) -> Placed<Self> {
+        Placed { law: self, options: Options::default() }
+    }
+    /// Stands on this domain; else on the declared one, else on the only one that has what the law needs.
+    fn on(self, domain: &str) -> Placed<Self> {
+        self.placed().on(domain)
+    }
+    /// Has this name of its own, where one law is listed twice on one domain.
+    fn label(self, label: &str) -> Placed<Self> {
+        self.placed().label(label)
+    }
+    /// Is evaluated on every n-th step; its last shares are held between.
+    fn every(self, steps: u32) -> Placed<Self> {
+        self.placed().every(steps)
+    }
+    /// Runs there; else where its size says.
+    fn backend(self, backend: Backend) -> Placed<Self> {
+        self.placed().backend(backend)
+    }
+    /// Is switched off at first.
+    fn off(self) -> Placed<Self> {
+        self.placed().off()
+    }
+    /// Must run: dormancy is a fault.
+    fn required(self) -> Placed<Self> {
+        self.placed().required()
+    }
+}
+
+impl<L: Compile> Place for L {}
+
+/// An engine that is being put together. Nothing is checked before [`Builder::build`], which finds all faults at once.
+pub struct Builder<P: Scalar> {
+    domains: Vec<Domain<P>>,
+    constants: Domain<P>,
+    fields: Vec<(PropertyInfo, Arc<dyn Field<P>>)>,
+    laws: Vec<Listed<P>>,
+    chains: Vec<crate::pipeline::FusedChain<P>>,
+    integrator: Box<dyn Integrator>,
+    step: Option<f64>,
+    observe: Vec<(String, String)>,
+    strict: bool,
+    backend: Backend,
+    threads: Option<usize>,
+    isa: Option<Isa>,
+}
+
+impl<P: Scalar> core::fmt::Debug for Builder<P> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let laws: Vec<_> = self.laws.iter().map(|law| law.entry.label()).collect();
+        f.debug_struct("Builder").field("domains", &self.domains).field("laws", &laws).finish_non_exhaustive()
+    }
+}
+
+impl<P: Scalar> Default for Builder<P> {
+    fn default() -> Self {
+        Builder {
+            domains: Vec::new(),
+            constants: Domain::new(SCENE),
+            fields: Vec::new(),
+            laws: Vec::new(),
+            chains: Vec::new(),
+            integrator: Box::new(Leapfrog::default()),
+            step: None,
+            observe: Vec::new(),
+            strict: false,
+            backend: Backend::Auto,
+            threads: None,
+            isa: None,
+        }
+    }
+}
+
+impl<P: Scalar> Builder<P> {
+    /// Adds a domain.
+    #[must_use]
+    pub fn domain(mut self, domain: Domain<P>) -> Self {
+        self.domains.push(domain);
+        self
+    }
+
+    /// Adds a constant of the scene: one number, or one vector `[[x, y, z]]`.
+    #[must_use]
+    pub fn constant(mut self, property: impl AsProperty, value: impl Into<Values>) -> Self {
+        self.constants = self.constants.with(property, value);
+        self
+    }
+
+    /// Adds a field: a closure `|position, time| vector`, or one of [`crate::field`].
+    #[must_use]
+    pub fn field(mut self, property: impl AsProperty, field: impl Field<P>) -> Self {
+        self.fields.push((property.info(), Arc::new(field)));
+        self
+    }
+
+    /// Adds a law.
+    #[must_use]
+    pub fn law(mut self, law: impl Listing) -> Self {
+        let options = law.options();
+        self.push(law.compiled(), options);
+        self
+    }
+
+    /// Adds laws composed at compile time.
+    #[must_use]
+    pub fn laws<T: Chained>(mut self, chain: Chain<T>) -> Self {
+        let first = self.laws.len();
+        for compiled in chain.compiled() {
+            self.push(compiled, Options::default());
+        }
+        self.chains.extend(chain.fused((first..self.laws.len()).collect()));
+        self
+    }
+
+    /// Adds a law whose loops are made already.
+    #[must_use]
+    pub fn listed(mut self, compiled: Compiled<P>, options: Options) -> Self {
+        self.push(compiled, options);
+        self
+    }
+
+    fn push(&mut self, compiled: Compiled<P>, options: Options) {
+        let entry = Entry { signature: *compiled.signature(), shape: compiled.shape(), options };
+        self.laws.push(Listed { entry, compiled });
+    }
+
+    /// The integrator; leapfrog where none is given.
+    #[must_use]
+    pub fn integrator(mut self, integrator: impl Integrator + 'static) -> Self {
+        self.integrator = Box::new(integrator);
+        self
+    }
+
+    /// The same, chosen at run time.
+    #[must_use]
+    pub fn boxed_integrator(mut self, integrator: Box<dyn Integrator>) -> Self {
+        self.integrator = integrator;
+        self
+    }
+
+    /// The fixed step, in s. Without one every frame is one step.
+    #[must_use]
+    pub fn step(mut self, seconds: f64) -> Self {
+        self.step = Some(seconds);
+        self
+    }
+
+    /// Looks at a property: what it needs is computed and kept. States need not be observed.
+    #[must_use]
+    pub fn observe(mut self, domain: &str, property: impl AsProperty) -> Self {
+        self.observe.push((domain.to_owned(), property.info().name.to_owned()));
+        self
+    }
+
+    /// Makes dormancy a fault, for every law.
+    #[must_use]
+    pub fn strict(mut self) -> Self {
+        self.strict = true;
+        self
+    }
+
+    /// Makes dormancy of law `name` (or of that label) a fault.
+    #[must_use]
+    pub fn require(mut self, name: &str) -> Self {
+        for law in self.laws.iter_mut().filter(|law| law.entry.label() == name) {
+            law.entry.options.required = true;
+        }
+        self
+    }
+
+    /// Where laws run that do not say.
+    #[must_use]
+    pub fn backend(mut self, backend: Backend) -> Self {
+        self.backend = backend;
+        self
+    }
+
+    /// Threads for parallel laws; all cores where none is given.
+    #[must_use]
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.threads = Some(threads);
+        self
+    }
+
+    /// The instruction set of the loops; the widest that the processor has where none is given. Results do not depend
+    /// on it.
+    #[must_use]
+    pub fn isa(mut self, isa: Isa) -> Self {
+        self.isa = Some(isa);
+        self
+    }
+
+    /// Checks everything, orders the laws, and makes the engine.
+    ///
+    /// # Errors
+    /// All that is wrong with the data, and, if the data are right, all that is wrong with the laws.
+    pub fn build(mut self) -> Result<Engine<P>, Faults> {
+        let mut faults = Vec::new();
+        if let Some(step) = self.step.filter(|step| !(*step > 0.0 && step.is_finite())) {
+            faults.push(Fault::Step { what: "the step".to_owned(), value: step });
+        }
+        for law in &mut self.laws {
+            if law.entry.options.backend == Backend::Auto {
+                law.entry.options.backend = self.backend;
+            }
+            if law.entry.options.backend == Backend::Parallel && cfg!(not(feature = "parallel")) {
+                faults.push(Fault::NoParallel);
+            }
+        }
+        faults.dedup();
+        let machine = machine(self.threads, self.isa).map_err(|fault| faults.push(fault)).ok();
+        let domains = self.domains.into_iter().chain([self.constants]);
+        let state = State::new(domains, self.fields);
+        let (mut state, machine) = match (state, machine) {
+            (Ok(state), Some(machine)) if faults.is_empty() => (state, machine),
+            (state, _) => {
+                faults.extend(state.err().iter().flat_map(|more| more.iter().cloned()));
+                return Faults::unless_empty(faults, ()).and_then(|()| Err(Fault::Threads.into()));
+            }
+        };
+        let pipeline = Pipeline::new(
+            &self.laws,
+            &self.chains,
+            &mut state,
+            &*self.integrator,
+            &self.observe,
+            self.strict,
+            &machine,
+        )?;
+        log_changes(&Report::default(), &pipeline.registry.report);
+        let time = state.time().to_f64();
+        Ok(Engine {
+            state,
+            laws: self.laws,
+            chains: self.chains,
+            integrator: self.integrator,
+            pipeline,
+            machine,
+            observe: self.observe,
+            strict: self.strict,
+            step: self.step,
+            remainder: 0.0,
+            steps: 0,
+            evaluations: 0,
+            clock: Clock { time, since: 0, step: 0.0 },
+            touched: false,
+            stale: false,
+        })
+    }
+}
+
+fn machine(threads: Option<usize>, isa: Option<Isa>) -> Result<Machine, Fault> {
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let isa = isa.unwrap_or_else(Isa::detect);
+    #[cfg(feature = "parallel")]
+    {
+        let pool = match threads {
+            Some(0) => return Err(Fault::Threads),
+            None => None,
+            Some(count) => {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
+                Some(Arc::new(pool.map_err(|error| Fault::ThreadPool { reason: error.to_string() })?))
+            }
+        };
+        Ok(Machine { isa, threads: threads.unwrap_or_else(cores), pool, probe: None })
+    }
+    #[cfg(not(feature = "parallel"))]
+    {
+        if threads == Some(0) {
+            return Err(Fault::Threads);
+        }
+        let _ = cores;
+        Ok(Machine { isa, threads: 1, probe: None })
+    }
+}
+
+/// Logs, once, every law that falls asleep, and every one that wakes.
+pub(super) fn log_changes(before: &Report, after: &Report) {
+    for law in &after.laws {
+        let old = before.laws.iter().find(|old| old.label == law.label && old.domain == law.domain);
+        match (&law.status, old.map(|old| &old.status)) {
+            (Status::Dormant(_), Some(Status::Dormant(_))) => {}
+            (Status::Dormant(_), _) => log::warn!("{law}"),
+            (Status::Active { .. }, Some(Status::Dormant(_))) => log::info!("{law}"),
+            _ => {}
+        }
+    }
+    for unused in after.unused.iter().filter(|unused| !before.unused.contains(unused)) {
+        log::info!("{unused} is unused: no running law touches it");
+    }
+}

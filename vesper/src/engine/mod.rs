@@ -1,0 +1,352 @@
+//! Client time: frames cut into steps, and everything a client may do between them.
+//!
+//! In: a builder's domains, fields, laws, integrator, observers. Out: [`Engine`], which advances a state by frames.
+//! Never: a law of physics, a file, a clock.
+
+mod build;
+mod checkpoint;
+mod finite;
+
+pub use build::{Builder, Listing, Place, Placed};
+pub use checkpoint::{Checkpoint, ColumnData, DomainData};
+
+use crate::error::{Fault, Faults, nearest};
+use crate::integrate::{Integrator, System};
+use crate::pipeline::{FusedChain, Key, Listed, Machine, Pipeline, Probe, Runner, borrowed, lent_columns};
+use crate::real::Scalar;
+use crate::registry::{Report, Status};
+use crate::state::State;
+use std::sync::Arc;
+
+/// A state, the laws that drive it, and the method that integrates them.
+pub struct Engine<P: Scalar> {
+    state: State<P>,
+    laws: Vec<Listed<P>>,
+    chains: Vec<FusedChain<P>>,
+    integrator: Box<dyn Integrator>,
+    pipeline: Pipeline<P>,
+    machine: Machine,
+    observe: Vec<(String, String)>,
+    strict: bool,
+    /// The fixed step, in s; `None` takes every frame as one step.
+    step: Option<f64>,
+    /// The part of past frames that no step has covered, in s.
+    remainder: f64,
+    steps: u64,
+    evaluations: u64,
+    /// Time at step `since`, from which steps are counted, so that the time does not gather rounding errors.
+    clock: Clock,
+    /// The client may have changed values since the last step.
+    touched: bool,
+    /// A law was switched.
+    stale: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Clock {
+    time: f64,
+    since: u64,
+    step: f64,
+}
+
+impl Clock {
+    fn at(&self, steps: u64) -> f64 {
+        self.time + self.step * (steps - self.since) as f64
+    }
+}
+
+impl<P: Scalar> core::fmt::Debug for Engine<P> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Engine")
+            .field("precision", &P::NAME)
+            .field("integrator", &self.integrator.name())
+            .field("time", &self.time())
+            .field("steps", &self.steps)
+            .field("laws", &self.report().laws)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<P: Scalar> Engine<P> {
+    /// Begins an engine.
+    pub fn builder() -> Builder<P> {
+        Builder::default()
+    }
+
+    /// Advances by one frame of this length, in s: by as many fixed steps as fit, the rest is carried to the next frame;
+    /// without a fixed step, by one step of the frame's own length.
+    ///
+    /// # Errors
+    /// The frame is no length of time; the client changed the state so that laws no longer fit it; the client still
+    /// borrows lent memory; a number became infinite or NaN.
+    #[inline]
+    pub fn advance(&mut self, frame: f64) -> Result<(), Faults> {
+        if !(frame >= 0.0 && frame.is_finite()) {
+            return Err(Fault::Step { what: "the frame".to_owned(), value: frame }.into());
+        }
+        match self.step {
+            Some(step) => {
+                let total = self.remainder + frame;
+                // A frame that is a multiple of the step but for rounding is that many steps.
+                let count = (total / step + 1e-9).floor();
+                self.run(count as u64, step)?;
+                self.remainder = total - count * step;
+                Ok(())
+            }
+            None if frame == 0.0 => Ok(()),
+            None => self.run(1, frame),
+        }
+    }
+
+    /// Takes this many steps, of the fixed step, or of `step` s where there is none.
+    ///
+    /// # Errors
+    /// As [`Engine::advance`].
+    pub fn steps_of(&mut self, count: u64, step: f64) -> Result<(), Faults> {
+        if !(step > 0.0 && step.is_finite()) {
+            return Err(Fault::Step { what: "the step".to_owned(), value: step }.into());
+        }
+        self.run(count, step)
+    }
+
+    fn run(&mut self, count: u64, step: f64) -> Result<(), Faults> {
+        self.prepare()?;
+        if self.clock.step != step {
+            self.clock = Clock { time: self.time(), since: self.steps, step };
+        }
+        if self.pipeline.is_idle() {
+            self.steps += count;
+            return Ok(());
+        }
+        let (clock, first) = (self.clock, self.steps);
+        let integrator = &mut self.integrator;
+        let (steps, evaluations) = with_runner(
+            &mut self.pipeline,
+            &self.state,
+            (&self.laws, &self.chains, &self.machine),
+            (clock.at(first), first),
+            |runner| {
+                for _ in 0..count {
+                    integrator.step(runner, step);
+                    runner.step += 1;
+                    runner.set_time(clock.at(runner.step));
+                    if runner.pipeline.amends {
+                        runner.run(Key::Amend);
+                    }
+                }
+                if runner.pipeline.observes {
+                    runner.run(Key::Observe);
+                }
+                (runner.step, runner.evaluations)
+            },
+        )?;
+        if self.pipeline.amends {
+            // The state moved after the rates that the integrator remembers.
+            self.integrator.restart();
+        }
+        self.steps = steps;
+        self.evaluations += evaluations;
+        finite::check(&self.pipeline, &self.state, self.steps, self.time())
+    }
+
+    /// Follows what the client changed since the last step.
+    #[inline]
+    fn prepare(&mut self) -> Result<(), Faults> {
+        if self.stale || self.pipeline.layout != self.state.layout() {
+            self.rebuild()?;
+        }
+        if self.touched {
+            self.integrator.restart();
+            self.touched = false;
+        }
+        Ok(())
+    }
+
+    fn rebuild(&mut self) -> Result<(), Faults> {
+        let before = core::mem::take(&mut self.pipeline.registry.report);
+        let rebuilt = Pipeline::new(
+            &self.laws,
+            &self.chains,
+            &mut self.state,
+            &*self.integrator,
+            &self.observe,
+            self.strict,
+            &self.machine,
+        );
+        match rebuilt {
+            Ok(pipeline) => self.pipeline = pipeline,
+            Err(faults) => {
+                self.pipeline.registry.report = before;
+                return Err(faults);
+            }
+        }
+        build::log_changes(&before, &self.pipeline.registry.report);
+        self.integrator.restart();
+        self.stale = false;
+        Ok(())
+    }
+
+    /// The time, in s.
+    pub fn time(&self) -> f64 {
+        self.clock.at(self.steps)
+    }
+
+    /// Steps taken.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// How often the laws were evaluated.
+    pub fn evaluations(&self) -> u64 {
+        self.evaluations
+    }
+
+    /// The integrator.
+    pub fn integrator(&self) -> &dyn Integrator {
+        &*self.integrator
+    }
+
+    /// The data, to look at.
+    pub fn state(&self) -> &State<P> {
+        &self.state
+    }
+
+    /// The data, to change: values, rows, columns, constants, fields. Laws follow at the next step.
+    pub fn state_mut(&mut self) -> &mut State<P> {
+        self.touched = true;
+        &mut self.state
+    }
+
+    /// Who runs, who does not, and why; as of the last step, or of the building.
+    pub fn report(&self) -> &Report {
+        &self.pipeline.registry.report
+    }
+
+    /// Brings report and graph up to date with what the client changed, without taking a step.
+    ///
+    /// # Errors
+    /// Laws no longer fit the state.
+    pub fn refresh(&mut self) -> Result<&Report, Faults> {
+        self.prepare()?;
+        Ok(self.report())
+    }
+
+    /// Switches a law on or off, by its label, or else its name. The kernels and all data stay.
+    ///
+    /// # Errors
+    /// No law has this label.
+    pub fn enable(&mut self, law: &str, enabled: bool) -> Result<(), Fault> {
+        let labels = self.laws.iter().map(|law| law.entry.label());
+        let missing = Fault::NoLaw { law: law.to_owned(), nearest: nearest(law, labels) };
+        let mut found = false;
+        for listed in self.laws.iter_mut().filter(|listed| listed.entry.label() == law) {
+            self.stale |= listed.entry.options.enabled != enabled;
+            listed.entry.options.enabled = enabled;
+            found = true;
+        }
+        if found { Ok(()) } else { Err(missing) }
+    }
+
+    /// The sum of the energies of all running laws that know theirs, in J; and the laws that run but do not.
+    ///
+    /// # Errors
+    /// Laws no longer fit the state, or the client borrows lent memory.
+    pub fn energy(&mut self) -> Result<(f64, Vec<String>), Faults> {
+        self.prepare()?;
+        let silent = self
+            .report()
+            .laws
+            .iter()
+            .zip(&self.laws)
+            .filter(|(report, law)| matches!(report.status, Status::Active { .. }) && !law.compiled.knows_energy())
+            .map(|(report, _)| report.label.clone())
+            .collect();
+        let (time, step) = (self.time(), self.steps);
+        let energy = with_runner(
+            &mut self.pipeline,
+            &self.state,
+            (&self.laws, &self.chains, &self.machine),
+            (time, step),
+            |runner| runner.run(Key::Energy),
+        )?;
+        Ok((energy, silent))
+    }
+
+    /// Watches how long laws take.
+    pub fn set_probe(&mut self, probe: Option<Arc<dyn Probe>>) {
+        self.machine.probe = probe;
+    }
+
+    /// What the graph looks like, for people.
+    pub fn explain(&self) -> String {
+        self.pipeline.explain(&self.state, &*self.integrator)
+    }
+
+    /// The graph in the language of Graphviz.
+    pub fn to_dot(&self) -> String {
+        self.pipeline.to_dot(&self.state)
+    }
+}
+
+/// Holds all lent memory, and runs `work` with a runner on the state.
+fn with_runner<P: Scalar, T>(
+    pipeline: &mut Pipeline<P>,
+    state: &State<P>,
+    (laws, chains, machine): (&[Listed<P>], &[FusedChain<P>], &Machine),
+    (time, step): (f64, u64),
+    work: impl FnOnce(&mut Runner<'_, P>) -> T,
+) -> Result<T, Faults> {
+    let mut result = None;
+    let mut work = Some(work);
+    let mut addresses = [core::ptr::null_mut(); MAX_LENT];
+    hold(state, 0, &mut addresses, &mut |lent| {
+        if let Some(work) = work.take() {
+            result = Some(work(&mut Runner::new(pipeline, state, (laws, chains, machine), lent, (time, step))));
+        }
+    })?;
+    // `hold` either ran the closure or gave a fault.
+    result.ok_or_else(|| Fault::Borrowed { domain: "scene".to_owned(), property: "time".to_owned() }.into())
+}
+
+/// Columns that may be lent at one time.
+const MAX_LENT: usize = 64;
+
+/// Takes hold of one lent column after the other, then goes on; all are held until it comes back. No list of guards, so
+/// no allocation.
+fn hold<P: Scalar>(
+    state: &State<P>,
+    next: usize,
+    addresses: &mut [*mut P; MAX_LENT],
+    then: &mut dyn FnMut(&[*mut P]),
+) -> Result<(), Faults> {
+    let Some((domain, column)) = lent_columns(state).nth(next) else {
+        then(&addresses[..next]);
+        return Ok(());
+    };
+    let domain = &state.domains()[domain];
+    let column = &domain.columns[column];
+    let crate::column::Storage::Lent(memory) = &column.storage else { return Ok(()) };
+    if next >= MAX_LENT {
+        let (name, property) = (domain.name.as_str(), column.property().name);
+        return Err(
+            Fault::client_memory(name, property, "be lent", "is one column more than the 64 that can be").into()
+        );
+    }
+    let mut inner = Ok(());
+    let held = memory.hold(&mut |start, rows| {
+        if rows != domain.rows {
+            inner = Err(Fault::Length {
+                domain: domain.name.clone(),
+                property: column.property().name.to_owned(),
+                given: rows,
+                expected: domain.rows,
+                expected_by: "the rows added and removed through the state".to_owned(),
+            }
+            .into());
+            return;
+        }
+        addresses[next] = start;
+        inner = hold(state, next + 1, addresses, then);
+    });
+    if held { inner } else { Err(borrowed(&domain.name, column.property().name).into()) }
+}

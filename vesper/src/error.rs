@@ -1,0 +1,188 @@
+//! What can be wrong, and how it is said.
+//!
+//! In: names and numbers from whoever found it. Out: [`Fault`], one thing wrong, and [`Faults`], all of them at once.
+//! A fault says who, what, where, and what to do. Never: a panic, a catch-all.
+
+use thiserror::Error;
+
+/// All things that are wrong, in the order in which they were declared.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Faults(Vec<Fault>);
+
+impl Faults {
+    /// The faults, or `value` where there are none.
+    ///
+    /// # Errors
+    /// There is at least one fault.
+    pub fn unless_empty<T>(faults: Vec<Fault>, value: T) -> Result<T, Faults> {
+        if faults.is_empty() { Ok(value) } else { Err(Faults(faults)) }
+    }
+
+    /// Each fault.
+    pub fn iter(&self) -> core::slice::Iter<'_, Fault> {
+        self.0.iter()
+    }
+
+    /// How many there are; never 0.
+    #[allow(clippy::len_without_is_empty, reason = "it is never empty")]
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+}
+
+impl From<Fault> for Faults {
+    fn from(fault: Fault) -> Self {
+        Faults(vec![fault])
+    }
+}
+
+impl<'a> IntoIterator for &'a Faults {
+    type Item = &'a Fault;
+    type IntoIter = core::slice::Iter<'a, Fault>;
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.iter()
+    }
+}
+
+impl core::fmt::Display for Faults {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        for (index, fault) in self.0.iter().enumerate() {
+            if index > 0 {
+                writeln!(f)?;
+            }
+            write!(f, "{fault}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Faults {}
+
+/// One thing wrong.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[allow(missing_docs, reason = "each variant's message names every field")]
+#[non_exhaustive]
+pub enum Fault {
+    #[error("{place}: unit \"{unit}\": {reason}")]
+    Unit { place: String, unit: String, reason: String },
+    #[error(
+        "{domain}.{property} is given in {given}, but it is measured in {expected}: give it in a unit of that dimension"
+    )]
+    Dimension { domain: String, property: String, given: String, expected: String },
+    #[error("{domain}.{property} is a {expected}, but the values given are {given}: give {width} numbers per row")]
+    Kind { domain: String, property: String, expected: String, given: String, width: usize },
+    #[error("property {property} is declared as {one} by {one_by} and as {other} by {other_by}: rename one of them")]
+    Declared { property: String, one: String, one_by: String, other: String, other_by: String },
+    #[error(
+        "{domain}.{property} has {given} rows, but domain {domain} has {expected} (from {expected_by}): give one value per row"
+    )]
+    Length { domain: String, property: String, given: usize, expected: usize, expected_by: String },
+    #[error("{domain}.{property}: row {row} is given twice: a subset names each row once")]
+    SubsetTwice { domain: String, property: String, row: u32 },
+    #[error("{domain}.{property}: row {row} is outside domain {domain}, which has {rows} rows (0 to {rows} exclusive)")]
+    SubsetRange { domain: String, property: String, row: u32, rows: usize },
+    #[error(
+        "{domain}.{property}: row {row} links to row {target_row} of {target}, which has {rows} rows (0 to {rows} exclusive)"
+    )]
+    LinkRange { domain: String, property: String, row: usize, target: String, target_row: u32, rows: usize },
+    #[error("{domain}.{property} links to domain {target}, which does not exist{}", hint(nearest))]
+    LinkTarget { domain: String, property: String, target: String, nearest: Option<String> },
+    #[error("{domain}.{property}: row {row} is {value}: give a finite number")]
+    NotFinite { domain: String, property: String, row: usize, value: f64 },
+    #[error("{domain}.{property} is given twice: keep one")]
+    ColumnTwice { domain: String, property: String },
+    #[error("domain {domain} is given twice: keep one")]
+    DomainTwice { domain: String },
+    #[error("field {field} is given twice: keep one")]
+    FieldTwice { field: String },
+    #[error("domain {domain} does not exist{}", hint(nearest))]
+    NoDomain { domain: String, nearest: Option<String> },
+    #[error("{domain} has no property {property}{}", hint(nearest))]
+    NoProperty { domain: String, property: String, nearest: Option<String> },
+    #[error("{domain} has no row {row}: it has {rows}")]
+    NoRow { domain: String, row: usize, rows: usize },
+    #[error("no law {law}{}", hint(nearest))]
+    NoLaw { law: String, nearest: Option<String> },
+    #[error("{law} stands on domain {domain}, which does not exist{}", hint(nearest))]
+    LawDomain { law: String, domain: String, nearest: Option<String> },
+    #[error("{law} can stand on {}: say on which, `.on(\"{}\")`", domains.join(" or "), domains[0])]
+    WhichDomain { law: String, domains: Vec<String> },
+    #[error("{law} is given twice on domain {domain}: keep one, or give each a label, `.label(\"...\")`")]
+    LawTwice { law: String, domain: String },
+    #[error("{law} and {other} both set {property}: keep one; several laws may add, one may set")]
+    TwoSet { law: String, other: String, property: String },
+    #[error("{law} and {other} both give the rate of {property}: keep one")]
+    TwoRates { law: String, other: String, property: String },
+    #[error(
+        "{law} gives the rate of {property}, which {other} {does}: a state belongs to the integrator, so no law sets or adds to it"
+    )]
+    RateOfComputed { law: String, property: String, other: String, does: String },
+    #[error("{law} adds to {property}, which is no sum: declare the property with `sum`, or set it")]
+    AddToPlain { law: String, property: String },
+    #[error("{law} sets {property}, which the client gives: take the column away, or switch {law} off")]
+    SetGiven { law: String, property: String },
+    #[error(
+        "{law} sets {property} for all rows, but reads {subset}, which only {given} of {rows} rows have: give the others a value"
+    )]
+    SetOnSubset { law: String, property: String, subset: String, given: usize, rows: usize },
+    #[error("{law} {does} {property}, but it is a {shape} law: {allowed}")]
+    Shape { law: String, does: String, property: String, shape: String, allowed: String },
+    #[error("the laws close a circle: {}", path.join(", "))]
+    Cycle { path: Vec<String> },
+    #[error("{law} must run, but is dormant: {reason}")]
+    Dormant { law: String, reason: String },
+    #[error("{law} stands on domain {domain}, which has no rows: add rows, or take the law away")]
+    EmptyDomain { law: String, domain: String },
+    #[error("{law} reads {subset}, whose rows other columns of the law lack: {detail}")]
+    Subset { law: String, subset: String, detail: String },
+    #[error("{law} is evaluated every {every} steps: the number is at least 1")]
+    Every { law: String, every: u32 },
+    #[error(
+        "{law} is evaluated every {every} steps, but it {does} {property}: only a law that adds can be held between steps"
+    )]
+    EveryOutput { law: String, every: u32, does: String, property: String },
+    #[error("{law}: parameter {parameter} is {value}: give a finite number")]
+    ParameterNotFinite { law: String, parameter: String, value: f64 },
+    #[error("{what} is {value} s: give a time above 0")]
+    Step { what: String, value: f64 },
+    #[error("threads is 0: give at least 1, or leave it out for all cores")]
+    Threads,
+    #[error("the thread pool cannot start: {reason}")]
+    ThreadPool { reason: String },
+    #[error(
+        "backend parallel is asked for, but vesper was built without the feature `parallel`: turn it on, or ask for cpu"
+    )]
+    NoParallel,
+    #[error("{integrator} needs {need}, but {found}: {mend}")]
+    Integrator { integrator: String, need: String, found: String, mend: String },
+    #[error("{domain}.{property} is borrowed by the client: let go of it before the engine runs")]
+    Borrowed { domain: String, property: String },
+    #[error("{domain}.{property} is the client's own memory, which cannot {cannot}: {mend}")]
+    ClientMemory { domain: String, property: String, cannot: String, mend: String },
+    #[error("at step {step} (time {time} s) {domain}.{property} of row {row} became {value}; {first}")]
+    BlowUp { step: u64, time: f64, domain: String, property: String, row: usize, value: f64, first: String },
+    #[error("the checkpoint does not fit: {reason}")]
+    Checkpoint { reason: String },
+}
+
+fn hint(nearest: &Option<String>) -> String {
+    nearest.as_ref().map_or_else(String::new, |name| format!("; did you mean {name}?"))
+}
+
+/// The name in `known` nearest to `name`, where one is near enough to be a slip of the pen.
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let allowed = name.chars().count().div_ceil(3).max(1);
+    known
+        .into_iter()
+        .map(|candidate| (distance(name, candidate), candidate))
+        .filter(|(distance, _)| *distance <= allowed)
+        .min()
+        .map(|(_, candidate)| candidate.to_owned())
+}
+
+/// Slips between two names; a name that the other one begins with counts as one slip ("mas", "mass_of_body").
+fn distance(name: &str, candidate: &str) -> usize {
+    let slips = strsim::damerau_levenshtein(name, candidate);
+    let shorter = name.len().min(candidate.len());
+    if shorter >= 3 && (candidate.starts_with(name) || name.starts_with(candidate)) { slips.min(1) } else { slips }
+}

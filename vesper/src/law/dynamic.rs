@@ -1,0 +1,133 @@
+//! Laws made at run time: from a closure here, from a compiled library through the same door.
+//!
+//! In: a name, ports, a closure over one row's numbers. Out: a law that nothing else in the system can tell from a
+//! derived one. Its declaration is kept for the life of the program, as a derived one's is.
+
+use super::{Mode, Place, Port, Signature};
+use crate::domain::AsProperty;
+use crate::property::intern;
+use std::sync::Arc;
+
+/// The body of a [`DynLaw`]: the inputs' numbers in declared order, then where the outputs' numbers go.
+pub type DynRow = dyn Fn(&[f64], &mut [f64]) + Send + Sync;
+
+/// A row law made at run time.
+///
+/// ```
+/// use vesper::prelude::*;
+/// let lift = DynLaw::new("lift").reads(Velocity).adds(Force).body(|velocity, force| force[2] = 0.1 * velocity[0]);
+/// ```
+#[derive(Clone)]
+pub struct DynLaw {
+    pub(crate) signature: Signature,
+    pub(crate) body: Arc<DynRow>,
+}
+
+impl core::fmt::Debug for DynLaw {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("DynLaw").field("signature", &self.signature).finish_non_exhaustive()
+    }
+}
+
+/// A declaration that is being written.
+#[derive(Clone, Debug)]
+pub struct DynLawBuilder {
+    name: String,
+    domain: Option<String>,
+    inputs: Vec<Port>,
+    outputs: Vec<Port>,
+}
+
+impl DynLaw {
+    /// Begins the declaration of a law of this name.
+    #[allow(clippy::new_ret_no_self, reason = "a law begins as its declaration")]
+    pub fn new(name: &str) -> DynLawBuilder {
+        DynLawBuilder { name: name.to_owned(), domain: None, inputs: Vec::new(), outputs: Vec::new() }
+    }
+
+    /// What the law touches.
+    pub fn signature(&self) -> &Signature {
+        &self.signature
+    }
+}
+
+impl DynLawBuilder {
+    fn port(property: impl AsProperty, mode: Mode, place: Place) -> Port {
+        let property = property.info();
+        Port { field: property.name, property, mode, place, optional: false, default: None, from: u64::MAX }
+    }
+
+    /// The domain the law stands on.
+    #[must_use]
+    pub fn domain(mut self, domain: &str) -> Self {
+        self.domain = Some(domain.to_owned());
+        self
+    }
+
+    /// A property that the body looks at.
+    #[must_use]
+    pub fn reads(mut self, property: impl AsProperty) -> Self {
+        self.inputs.push(Self::port(property, Mode::Reads, Place::Own));
+        self
+    }
+
+    /// A constant of the scene that the body looks at.
+    #[must_use]
+    pub fn scene(mut self, property: impl AsProperty) -> Self {
+        self.inputs.push(Self::port(property, Mode::Reads, Place::Scene));
+        self
+    }
+
+    /// A field that the body looks at, at the place of the row.
+    #[must_use]
+    pub fn field(mut self, property: impl AsProperty) -> Self {
+        self.inputs.push(Self::port(property, Mode::Reads, Place::Field));
+        self
+    }
+
+    /// A property that the body computes anew.
+    #[must_use]
+    pub fn sets(mut self, property: impl AsProperty) -> Self {
+        self.outputs.push(Self::port(property, Mode::Sets, Place::Own));
+        self
+    }
+
+    /// A sum that the body adds to; its numbers hold 0 when the body is called.
+    #[must_use]
+    pub fn adds(mut self, property: impl AsProperty) -> Self {
+        self.outputs.push(Self::port(property, Mode::Adds, Place::Own));
+        self
+    }
+
+    /// A state whose rate the body gives.
+    #[must_use]
+    pub fn rates(mut self, property: impl AsProperty) -> Self {
+        self.outputs.push(Self::port(property, Mode::Rates, Place::Own));
+        self
+    }
+
+    /// A state that the body corrects after a step.
+    #[must_use]
+    pub fn amends(mut self, property: impl AsProperty) -> Self {
+        self.outputs.push(Self::port(property, Mode::Amends, Place::Own));
+        self
+    }
+
+    /// The body: gets the numbers of everything it looks at, in declared order (a vector is three), and writes the
+    /// numbers of everything it changes.
+    #[must_use]
+    pub fn body(self, body: impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static) -> DynLaw {
+        let ports: Vec<Port> = self.inputs.into_iter().chain(self.outputs).collect();
+        let signature = Signature {
+            name: intern(&self.name),
+            doc: "",
+            domain: self.domain.as_deref().map(intern),
+            ports: Box::leak(ports.into_boxed_slice()),
+            parameters: &[],
+            link: None,
+            file: "",
+            line: 0,
+        };
+        DynLaw { signature, body: Arc::new(body) }
+    }
+}

@@ -1,0 +1,451 @@
+//! From named places to pointers: a plan, tied to the layout of one state.
+
+use super::group::{Group, GroupBuilder};
+use super::plan::{Op, Operand, Placed, Plan};
+use super::vectors::lent_columns;
+use super::{FusedChain, Listed, Machine, Pipeline};
+use crate::backend::Kernel;
+use crate::column::{Aligned, Storage};
+use crate::real::Scalar;
+use crate::registry::Backend;
+use crate::state::State;
+
+/// Where an array of numbers begins.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Base<P> {
+    /// In an owned column.
+    Owned(*mut P),
+    /// In the client's memory of this number, whose address is known while the engine runs.
+    Lent { memory: usize, component: usize },
+}
+
+/// Where the numbers of one component are.
+#[derive(Clone, Debug)]
+pub(crate) struct Located<P> {
+    pub(crate) base: Base<P>,
+    pub(crate) stride: usize,
+    pub(crate) len: usize,
+    /// The rows that have a number; `None` for all.
+    pub(crate) subset: Option<Vec<u32>>,
+}
+
+/// Numbers that are brought to a scratch before a pass over rows, and back after it.
+#[derive(Clone, Debug)]
+pub(crate) struct Transfer<P> {
+    pub(crate) base: Base<P>,
+    pub(crate) stride: usize,
+    /// Where each row of the pass is in the column; `None` where it is the row's own number.
+    pub(crate) index: Option<Vec<u32>>,
+    pub(crate) scratch: usize,
+    pub(crate) save: bool,
+}
+
+impl<P: Scalar> Transfer<P> {
+    fn at(&self, row: usize) -> usize {
+        self.index.as_ref().map_or(row, |index| index[row] as usize) * self.stride
+    }
+
+    /// # Safety
+    /// The rows exist, and `to` points to `rows.len()` numbers.
+    pub(crate) unsafe fn load(&self, lent: &[*mut P], rows: core::ops::Range<usize>, to: *mut P) {
+        let base = self.base.resolve(lent);
+        for (k, row) in rows.enumerate() {
+            // SAFETY: the caller promises the rows and the numbers.
+            unsafe { *to.add(k) = *base.add(self.at(row)) };
+        }
+    }
+
+    /// # Safety
+    /// As for `load`, and nobody else touches the rows.
+    pub(crate) unsafe fn store(&self, lent: &[*mut P], rows: core::ops::Range<usize>, from: *const P) {
+        let base = self.base.resolve(lent);
+        for (k, row) in rows.enumerate() {
+            // SAFETY: the caller promises the rows and the numbers.
+            unsafe { *base.add(self.at(row)) = *from.add(k) };
+        }
+    }
+}
+
+/// What is asked, ready to run.
+pub(crate) struct Program<P: Scalar> {
+    pub(crate) passes: Vec<BoundPass<P>>,
+}
+
+/// A pass, and on which steps it runs.
+pub(crate) struct BoundPass<P: Scalar> {
+    pub(crate) every: u32,
+    /// The number of the held shares that this pass fills.
+    pub(crate) fills: Option<usize>,
+    pub(crate) pass: Pass<P>,
+    /// The laws that run in it, for `explain`.
+    pub(crate) laws: Vec<usize>,
+}
+
+/// One pass over memory.
+pub(crate) enum Pass<P: Scalar> {
+    Group(Group<P>),
+    Pair(PairPass<P>),
+    Link(LinkPass<P>),
+    Column(ColumnPass<P>),
+    /// `to += step * from`, by component: (to, from, numbers).
+    Axpy {
+        parts: Vec<(Located<P>, *mut P)>,
+        stage: usize,
+    },
+    /// Numbers set to zero: (start, how many).
+    Release(Vec<(*mut P, usize)>),
+    /// Held shares added: (to, from).
+    Hold(Vec<(Located<P>, *mut P)>),
+}
+
+/// A pair law over the rows of its seat.
+pub(crate) struct PairPass<P: Scalar> {
+    pub(crate) law: usize,
+    pub(crate) rows: usize,
+    pub(crate) slots: Vec<*mut P>,
+    pub(crate) transfers: Vec<Transfer<P>>,
+    pub(crate) packed: Vec<Aligned<P>>,
+    pub(crate) energy: bool,
+    pub(crate) threads: usize,
+    /// Keeps the constants that `slots` points to.
+    pub(crate) _defaults: Box<[P]>,
+}
+
+/// A link law over the rows of its domain.
+pub(crate) struct LinkPass<P: Scalar> {
+    pub(crate) law: usize,
+    pub(crate) links: usize,
+    pub(crate) ends: (*const u32, usize),
+    pub(crate) slots: Vec<(Base<P>, usize)>,
+    pub(crate) resolved: Vec<crate::backend::Strided<P>>,
+    pub(crate) energy: bool,
+    pub(crate) threads: usize,
+    /// Where threads leave shares, and for every row linked to, which shares are its own.
+    pub(crate) gather: Option<Gather<P>>,
+    pub(crate) _defaults: Box<[P]>,
+}
+
+/// For every row linked to, its shares in the order of the links.
+pub(crate) struct Gather<P: Scalar> {
+    pub(crate) shares: Aligned<P>,
+    /// The first of each row's `items`, and after the last row their number.
+    pub(crate) first: Vec<u32>,
+    /// Numbers of (link, end), counted together.
+    pub(crate) items: Vec<u32>,
+    pub(crate) outputs: usize,
+}
+
+/// A column law.
+pub(crate) struct ColumnPass<P: Scalar> {
+    pub(crate) law: usize,
+    /// Base of every component, stride, rows; by port.
+    pub(crate) ports: Vec<([Option<Base<P>>; 4], usize, usize)>,
+    pub(crate) views: Vec<crate::law::PortView<P>>,
+    pub(crate) link: Option<(*const u32, usize, usize)>,
+    pub(crate) _defaults: Box<[P]>,
+}
+
+/// Rows from which on a pass over rows is worth the threads (measured: below, waking them costs more than it saves).
+pub(super) const PARALLEL_ROWS: usize = 32_768;
+/// Pairs from which on a pair law is worth the threads.
+const PARALLEL_PAIRS: usize = 1 << 18;
+/// Links from which on a link law is worth the threads.
+const PARALLEL_LINKS: usize = 32_768;
+
+pub(super) fn threads(backend: Backend, work: usize, enough: usize, machine: &Machine) -> usize {
+    match backend {
+        Backend::Cpu => 1,
+        Backend::Parallel => machine.threads,
+        Backend::Auto if work >= enough => machine.threads,
+        Backend::Auto => 1,
+    }
+}
+
+/// Ties a plan to the state as it is laid out now.
+pub(crate) fn program<P: Scalar>(
+    plan: Plan,
+    laws: &[Listed<P>],
+    chains: &[FusedChain<P>],
+    pipeline: &Pipeline<P>,
+    state: &State<P>,
+    machine: &Machine,
+) -> Program<P> {
+    let binder = Binder { plan: &plan, laws, chains, pipeline, state, machine };
+    Program { passes: plan.passes.iter().filter_map(|pass| binder.pass(pass)).collect() }
+}
+
+pub(super) struct Binder<'a, P: Scalar> {
+    pub(super) plan: &'a Plan,
+    pub(super) laws: &'a [Listed<P>],
+    pub(super) chains: &'a [FusedChain<P>],
+    pub(super) pipeline: &'a Pipeline<P>,
+    pub(super) state: &'a State<P>,
+    pub(super) machine: &'a Machine,
+}
+
+impl<P: Scalar> Binder<'_, P> {
+    fn pass(&self, ops: &[Placed]) -> Option<BoundPass<P>> {
+        let first = ops.first()?;
+        let laws = ops
+            .iter()
+            .filter_map(|op| match op.op {
+                Op::Law { seat, .. } | Op::Hold { seat } | Op::Release { seat } => {
+                    Some(self.pipeline.registry.seats[seat].law)
+                }
+                Op::Start { .. } | Op::Sample { .. } | Op::Axpy { .. } => None,
+            })
+            .collect();
+        let fills = match first.op {
+            Op::Law { seat, .. } => self.pipeline.vectors.held.iter().position(|(held, _)| *held == seat),
+            _ => None,
+        };
+        let pass = match first.op {
+            Op::Release { seat } => Pass::Release(
+                self.held(seat).map(|(_, numbers)| (numbers.pointer(), numbers.as_slice().len())).collect(),
+            ),
+            Op::Hold { seat } => Pass::Hold(self.hold(seat)),
+            Op::Axpy { stage, .. } => {
+                let (to, from) = first.operands.split_at(first.operands.len() / 2);
+                let parts = to.iter().zip(from).filter_map(|(to, from)| {
+                    let from = self.locate(*from)?;
+                    let Base::Owned(from) = from.base else { return None };
+                    Some((self.locate(*to)?, from))
+                });
+                Pass::Axpy { parts: parts.collect(), stage }
+            }
+            Op::Law { seat, energy, .. } => match &self.laws[self.pipeline.registry.seats[seat].law].compiled.kernel {
+                Kernel::Row(_) => Pass::Group(self.group(ops)?),
+                Kernel::Pair(_) => Pass::Pair(self.pair(first, energy)?),
+                Kernel::Link(kernel) => Pass::Link(self.link(first, energy, kernel.arity(), kernel.outputs())?),
+                Kernel::Column(_) if energy => return None,
+                Kernel::Column(_) => Pass::Column(self.column(first)?),
+            },
+            Op::Start { .. } | Op::Sample { .. } => Pass::Group(self.group(ops)?),
+        };
+        Some(BoundPass { every: first.every, fills, pass, laws })
+    }
+
+    fn group(&self, ops: &[Placed]) -> Option<Group<P>> {
+        GroupBuilder::new(self, ops).filter(|group| group.rows > 0).map(|group| group.build(ops))
+    }
+
+    fn held(&self, seat: usize) -> impl Iterator<Item = (usize, &Aligned<P>)> {
+        let held = self.pipeline.vectors.held.iter().find(|(held, _)| *held == seat);
+        held.into_iter().flat_map(|(_, shares)| shares.iter().map(|(slot, numbers)| (*slot, numbers)))
+    }
+
+    fn hold(&self, seat: usize) -> Vec<(Located<P>, *mut P)> {
+        let known = &self.pipeline.registry.seats[seat];
+        let signature = &self.pipeline.entries[known.law].signature;
+        let slots = signature.slots();
+        self.held(seat)
+            .filter_map(|(slot, numbers)| {
+                let port = (0..signature.ports.len()).find(|&port| (slots[port]..slots[port + 1]).contains(&slot))?;
+                let crate::registry::Tie::Quantity(id) = known.ties[port] else { return None };
+                Some((self.locate(Operand::Quantity(id, slot - slots[port]))?, numbers.pointer()))
+            })
+            .collect()
+    }
+
+    /// Where an operand's numbers are, if they are in memory that outlives a pass.
+    pub(super) fn locate(&self, operand: Operand) -> Option<Located<P>> {
+        match operand {
+            Operand::Quantity(id, component) | Operand::Constant(id, component) => {
+                let known = &self.pipeline.registry.quantities[id];
+                locate_column(self.state, known.domain, known.info.name, component)
+            }
+            Operand::Rate(id, component) => {
+                let known = &self.pipeline.registry.quantities[id];
+                let like = locate_column(self.state, known.domain, known.info.name, component)?;
+                Some(Located { base: Base::Owned(self.pipeline.vectors.rate(id, component)?), stride: 1, ..like })
+            }
+            Operand::Held(seat, slot) => {
+                let (_, numbers) = self.held(seat).find(|(held, _)| *held == slot)?;
+                let len = numbers.as_slice().len();
+                Some(Located { base: Base::Owned(numbers.pointer()), stride: 1, len, subset: None })
+            }
+            Operand::Field(..) | Operand::Default(_) | Operand::Absent => None,
+        }
+    }
+
+    /// How the rows of a pass reach a column: a transfer's base, stride and index.
+    pub(super) fn transfer(located: &Located<P>, rows: Option<&[u32]>, scratch: usize, save: bool) -> Transfer<P> {
+        let index = match (rows, &located.subset) {
+            (None, _) => None,
+            (Some(rows), None) => Some(rows.to_vec()),
+            (Some(rows), Some(subset)) => Some(
+                rows.iter()
+                    .map(|row| u32::try_from(subset.binary_search(row).unwrap_or_default()).unwrap_or_default())
+                    .collect(),
+            ),
+        };
+        Transfer { base: located.base, stride: located.stride, index, scratch, save }
+    }
+
+    fn pair(&self, op: &Placed, energy: bool) -> Option<PairPass<P>> {
+        let Op::Law { seat, .. } = op.op else { return None };
+        let law = self.pipeline.registry.seats[seat].law;
+        let rows = op.rows.as_ref().map_or(self.state.domains[op.domain].rows, Vec::len);
+        if rows == 0 {
+            return None;
+        }
+        let defaults = defaults(&op.operands);
+        let mut pass = PairPass {
+            law,
+            rows,
+            slots: Vec::new(),
+            transfers: Vec::new(),
+            packed: Vec::new(),
+            energy,
+            threads: threads(op.backend, rows * rows, PARALLEL_PAIRS, self.machine),
+            _defaults: defaults,
+        };
+        for (slot, operand) in op.operands.iter().enumerate() {
+            let pointer = match operand {
+                Operand::Default(_) => &raw const pass._defaults[slot] as *mut P,
+                Operand::Absent | Operand::Field(..) => core::ptr::null_mut(),
+                Operand::Constant(..) => match self.locate(*operand)?.base {
+                    Base::Owned(pointer) => pointer,
+                    Base::Lent { .. } => return None,
+                },
+                Operand::Quantity(..) | Operand::Rate(..) | Operand::Held(..) => {
+                    let located = self.locate(*operand)?;
+                    match located.base {
+                        Base::Owned(pointer) if op.rows.is_none() && located.stride == 1 => pointer,
+                        _ => {
+                            let scratch = pass.packed.len();
+                            pass.packed.push(Aligned::zeros(rows, slot));
+                            pass.transfers.push(Self::transfer(&located, op.rows.as_deref(), scratch, op.writes[slot]));
+                            pass.packed[scratch].pointer()
+                        }
+                    }
+                }
+            };
+            pass.slots.push(pointer);
+        }
+        Some(pass)
+    }
+
+    fn link(&self, op: &Placed, energy: bool, arity: usize, outputs: usize) -> Option<LinkPass<P>> {
+        let Op::Law { seat, .. } = op.op else { return None };
+        let seat = &self.pipeline.registry.seats[seat];
+        let link = self.pipeline.entries[seat.law].signature.link?;
+        let domain = &self.state.domains[op.domain];
+        let Storage::Link { rows: ends, .. } = &domain.columns[domain.find(link.name)?].storage else { return None };
+        if domain.rows == 0 {
+            return None;
+        }
+        let defaults = defaults(&op.operands);
+        let mut slots = Vec::new();
+        for (slot, operand) in op.operands.iter().enumerate() {
+            slots.push(match operand {
+                Operand::Default(_) => (Base::Owned(&raw const defaults[slot] as *mut P), 0),
+                Operand::Absent | Operand::Field(..) => (Base::Owned(core::ptr::null_mut()), 0),
+                _ => {
+                    let located = self.locate(*operand)?;
+                    (located.base, located.stride)
+                }
+            });
+        }
+        let threads = threads(op.backend, domain.rows, PARALLEL_LINKS, self.machine);
+        let targets = self.state.domains[seat.target?].rows;
+        let gather =
+            (threads > 1 && !energy).then(|| Gather::new(ends, targets, domain.rows * arity * outputs, outputs));
+        Some(LinkPass {
+            law: seat.law,
+            links: domain.rows,
+            ends: (ends.as_ptr(), ends.len()),
+            resolved: Vec::with_capacity(slots.len()),
+            slots,
+            energy,
+            threads,
+            gather,
+            _defaults: defaults,
+        })
+    }
+
+    fn column(&self, op: &Placed) -> Option<ColumnPass<P>> {
+        let Op::Law { seat, .. } = op.op else { return None };
+        let seat = &self.pipeline.registry.seats[seat];
+        let signature = &self.pipeline.entries[seat.law].signature;
+        let defaults = defaults(&op.operands);
+        let slots = signature.slots();
+        let mut ports = Vec::new();
+        for port in 0..signature.ports.len() {
+            let mut bases = [None; 4];
+            let (mut stride, mut rows) = (0, 0);
+            for slot in slots[port]..slots[port + 1] {
+                bases[slot - slots[port]] = match op.operands[slot] {
+                    Operand::Default(_) => {
+                        rows = 1;
+                        Some(Base::Owned(&raw const defaults[slot] as *mut P))
+                    }
+                    Operand::Absent | Operand::Field(..) => None,
+                    operand => {
+                        let located = self.locate(operand)?;
+                        (stride, rows) = (located.stride, located.len);
+                        Some(located.base)
+                    }
+                };
+            }
+            ports.push((bases, stride, rows));
+        }
+        let link = signature.link.and_then(|link| {
+            let domain = &self.state.domains[op.domain];
+            let Storage::Link { rows, arity, .. } = &domain.columns[domain.find(link.name)?].storage else {
+                return None;
+            };
+            Some((rows.as_ptr(), rows.len(), *arity))
+        });
+        let views = Vec::with_capacity(ports.len());
+        Some(ColumnPass { law: seat.law, ports, views, link, _defaults: defaults })
+    }
+}
+
+impl<P: Scalar> Gather<P> {
+    fn new(ends: &[u32], targets: usize, shares: usize, outputs: usize) -> Self {
+        let mut first = vec![0_u32; targets + 1];
+        for &end in ends {
+            first[end as usize + 1] += 1;
+        }
+        for row in 0..targets {
+            first[row + 1] += first[row];
+        }
+        let mut next = first.clone();
+        let mut items = vec![0; ends.len()];
+        for (item, &end) in (0_u32..).zip(ends) {
+            let at = &mut next[end as usize];
+            items[*at as usize] = item;
+            *at += 1;
+        }
+        Gather { shares: Aligned::zeros(shares, 0), first, items, outputs }
+    }
+}
+
+/// The constants that the scene does not give, at their slots.
+pub(super) fn defaults<P: Scalar>(operands: &[Operand]) -> Box<[P]> {
+    operands
+        .iter()
+        .map(|operand| if let Operand::Default(value) = operand { P::from_f64(*value) } else { P::default() })
+        .collect()
+}
+
+/// Where a component of a column of numbers is.
+pub(crate) fn locate_column<P: Scalar>(
+    state: &State<P>,
+    domain: usize,
+    property: &str,
+    component: usize,
+) -> Option<Located<P>> {
+    let at = state.domains[domain].find(property)?;
+    let column = &state.domains[domain].columns[at];
+    let (base, stride) = match &column.storage {
+        Storage::Split(components) => (Base::Owned(components.get(component)?.pointer()), 1),
+        Storage::Lent(memory) => {
+            let number = lent_columns(state).position(|place| place == (domain, at))?;
+            (Base::Lent { memory: number, component }, memory.width())
+        }
+        Storage::Link { .. } => return None,
+    };
+    Some(Located { base, stride, len: column.len(), subset: column.subset.clone() })
+}

@@ -1,0 +1,201 @@
+//! The composed run: what an integrator asks, as passes over memory.
+//!
+//! In: the order of the laws, their kernels, a state. Out: [`Pipeline`], which evaluates any part of the rates, any
+//! number of times, at any state and time. Never: a time of its own, a step.
+//!
+//! A *program* is made once for each thing that can be asked: the laws that it needs, in order, as *passes*. A pair, a
+//! link or a column law is a pass of its own. Neighbouring row laws of one domain are one pass: block by block, all laws
+//! of the group before the next block, with sums that nobody else reads in a scratch that stays in the first cache.
+
+mod bind;
+mod chain;
+mod dot;
+mod explain;
+mod group;
+mod plan;
+mod run;
+mod vectors;
+
+pub(crate) use bind::{Program, program};
+pub(crate) use chain::FusedChain;
+pub use chain::{Chain, ChainPart, Chained, Layout, List, Registers};
+pub(crate) use plan::Key;
+pub(crate) use run::Runner;
+pub(crate) use vectors::{Vectors, lent_columns};
+
+use crate::backend::Compiled;
+use crate::error::{Fault, Faults};
+use crate::graph::Graph;
+use crate::integrate::{Integrator, Structure};
+use crate::law::Mode;
+use crate::property::Role;
+use crate::real::{Isa, Scalar};
+use crate::registry::{Entry, QuantityId, Registry, Tie};
+use crate::state::State;
+use std::sync::Arc;
+
+/// Watches how long laws take. The core starts no clock: whoever wants times brings one.
+pub trait Probe: Send + Sync {
+    /// The time now, in any unit.
+    fn now(&self) -> u64;
+    /// The law of this number in the list ran from `from` until now, on one thread.
+    fn ran(&self, law: usize, from: u64);
+}
+
+/// A law as listed, with its loops.
+pub(crate) struct Listed<P: Scalar> {
+    pub(crate) entry: Entry,
+    pub(crate) compiled: Compiled<P>,
+}
+
+/// How passes are run.
+#[derive(Clone)]
+pub(crate) struct Machine {
+    pub(crate) isa: Isa,
+    /// Cores to use.
+    pub(crate) threads: usize,
+    #[cfg(feature = "parallel")]
+    pub(crate) pool: Option<Arc<rayon::ThreadPool>>,
+    pub(crate) probe: Option<Arc<dyn Probe>>,
+}
+
+/// The laws of a run, ordered and tied to a state's layout.
+pub(crate) struct Pipeline<P: Scalar> {
+    pub(crate) entries: Vec<Entry>,
+    pub(crate) registry: Registry,
+    pub(crate) graph: Graph,
+    pub(crate) structure: Structure,
+    pub(crate) observed: Vec<QuantityId>,
+    pub(crate) programs: Vec<Program<P>>,
+    pub(crate) vectors: Vectors<P>,
+    /// The layout of the state that the programs' pointers were taken from.
+    pub(crate) layout: (u64, u64),
+    /// Whether a step changes nothing.
+    pub(crate) idle: bool,
+    /// Whether there are laws that amend.
+    pub(crate) amends: bool,
+    /// Whether computed quantities are observed.
+    pub(crate) observes: bool,
+}
+
+impl<P: Scalar> Pipeline<P> {
+    /// Orders the laws, and makes the programs that this integrator and these observers will ask for.
+    pub(crate) fn new(
+        laws: &[Listed<P>],
+        chains: &[FusedChain<P>],
+        state: &mut State<P>,
+        integrator: &dyn Integrator,
+        observe: &[(String, String)],
+        strict: bool,
+        machine: &Machine,
+    ) -> Result<Self, Faults> {
+        let entries: Vec<Entry> = laws.iter().map(|law| law.entry.clone()).collect();
+        let mut registry = Registry::new(&entries, state, strict)?;
+        let graph = Graph::new(&entries, &registry, state)?;
+        let mut faults = Vec::new();
+        let observed = crate::registry::observed(observe, &registry, state, &mut faults);
+        let structure = structure(&entries, &registry, &graph, state);
+        faults.extend(integrator.accept(&structure).err());
+        Faults::unless_empty(faults, ())?;
+        plan::prune(&entries, &mut registry, &graph, &observed, state);
+        let mut pipeline = Pipeline {
+            entries,
+            registry,
+            graph,
+            structure,
+            observed,
+            programs: Vec::new(),
+            vectors: Vectors::default(),
+            layout: state.layout(),
+            idle: false,
+            amends: false,
+            observes: false,
+        };
+        let plans: Vec<_> = Key::ALL.into_iter().map(|key| plan::plan(key, &pipeline)).collect();
+        for plan in &plans {
+            plan::materialise(plan, &pipeline, state);
+        }
+        pipeline.vectors = Vectors::new(&pipeline, state, integrator.work_vectors());
+        pipeline.programs =
+            plans.into_iter().map(|plan| program(plan, laws, chains, &pipeline, state, machine)).collect();
+        pipeline.layout = state.layout();
+        pipeline.amends = !pipeline.programs[Key::Amend.index()].passes.is_empty();
+        pipeline.observes = !pipeline.programs[Key::Observe.index()].passes.is_empty();
+        pipeline.idle = pipeline.programs.iter().all(|program| program.passes.is_empty());
+        Ok(pipeline)
+    }
+
+    /// Lent memory may begin elsewhere than in the last run.
+    pub(crate) fn forget_addresses(&mut self) {
+        for pass in self.programs.iter_mut().flat_map(|program| &mut program.passes) {
+            if let bind::Pass::Group(group) = &mut pass.pass {
+                group.unready();
+            }
+        }
+    }
+
+    /// Whether a step would change nothing.
+    #[inline]
+    pub(crate) fn is_idle(&self) -> bool {
+        self.idle
+    }
+
+    /// The laws that drive a state, for a message: its rate's law, and the laws that feed that one.
+    pub(crate) fn drivers(&self, state: QuantityId) -> String {
+        let label = |seat: &usize| self.entries[self.registry.seats[*seat].law].label();
+        let rates = |seat: &&usize| {
+            let seat = &self.registry.seats[**seat];
+            let signature = &self.entries[seat.law].signature;
+            crate::graph::outputs(signature, seat).any(|(mode, id)| mode == Mode::Rates && id == state)
+        };
+        let Some(rater) = self.graph.order.iter().find(rates) else { return "no law moves it".to_owned() };
+        let seat = &self.registry.seats[*rater];
+        let needs: Vec<QuantityId> = crate::graph::inputs(&self.entries[seat.law].signature, seat, u64::MAX).collect();
+        let makers = self.graph.makers(&needs, &self.entries, &self.registry);
+        let fed: Vec<&str> = makers.iter().map(label).collect();
+        let fed = if fed.is_empty() { String::new() } else { format!(", fed by {}", fed.join(", ")) };
+        format!("{} moves it{fed}: take a smaller step, or look at its parameters", label(rater))
+    }
+
+    /// The quantities whose rates laws give.
+    pub(crate) fn states(&self) -> Vec<QuantityId> {
+        let mut states: Vec<QuantityId> = self
+            .registry
+            .seats
+            .iter()
+            .flat_map(|seat| {
+                self.entries[seat.law].signature.ports.iter().zip(&seat.ties).filter_map(|(port, tie)| match tie {
+                    Tie::Quantity(id) if port.mode == Mode::Rates => Some(*id),
+                    _ => None,
+                })
+            })
+            .collect();
+        states.sort_unstable();
+        states.dedup();
+        states
+    }
+}
+
+fn structure<P: Scalar>(entries: &[Entry], registry: &Registry, graph: &Graph, state: &State<P>) -> Structure {
+    let mut structure = Structure::default();
+    for (_, port, id) in registry.seats.iter().flat_map(|seat| {
+        entries[seat.law].signature.ports.iter().zip(&seat.ties).filter_map(move |(port, tie)| match tie {
+            Tie::Quantity(id) if port.mode == Mode::Rates => Some((seat, port, *id)),
+            _ => None,
+        })
+    }) {
+        let name = registry.name(id, state);
+        match port.property.role {
+            Role::Coordinate => structure.coordinates.push(name),
+            Role::Momentum(_) => structure.momenta.push(name),
+            Role::Plain | Role::Sum { .. } => structure.others.push(name),
+        }
+    }
+    structure.momenta_depend_on_momenta = graph.momenta_depend_on_momenta(entries, registry);
+    structure
+}
+
+/// A fault for memory that the client holds.
+pub(crate) fn borrowed(domain: &str, property: &str) -> Fault {
+    Fault::Borrowed { domain: domain.to_owned(), property: property.to_owned() }
+}

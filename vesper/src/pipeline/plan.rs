@@ -1,0 +1,456 @@
+//! What is asked, as a list of operations over named places; no pointer yet.
+
+use super::Pipeline;
+use crate::column::Column;
+use crate::graph::{Graph, start_of, wanted_inputs};
+use crate::law::{Mode, Part, Place, Shape};
+use crate::real::Scalar;
+use crate::registry::{Backend, Entry, QuantityId, Registry, Seat, Status, Tie, computes};
+use crate::state::State;
+
+/// What can be asked of a pipeline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Key {
+    /// The rates of a part, stored.
+    Evaluate(Part),
+    /// The states of a part, advanced.
+    Advance(Part),
+    /// The momenta advanced, then the coordinates.
+    KickDrift,
+    /// The amending laws, after a step.
+    Amend,
+    /// The computed quantities that the client looks at.
+    Observe,
+    /// The energies of all laws.
+    Energy,
+}
+
+impl Key {
+    pub(crate) const ALL: [Key; 10] = [
+        Key::Evaluate(Part::All),
+        Key::Evaluate(Part::Coordinates),
+        Key::Evaluate(Part::Momenta),
+        Key::Advance(Part::All),
+        Key::Advance(Part::Coordinates),
+        Key::Advance(Part::Momenta),
+        Key::KickDrift,
+        Key::Amend,
+        Key::Observe,
+        Key::Energy,
+    ];
+
+    /// Where the key's program is among a pipeline's.
+    pub(crate) fn index(self) -> usize {
+        match self {
+            Key::Evaluate(part) => part_index(part),
+            Key::Advance(part) => 3 + part_index(part),
+            Key::KickDrift => 6,
+            Key::Amend => 7,
+            Key::Observe => 8,
+            Key::Energy => 9,
+        }
+    }
+
+    /// The parts that are evaluated in turn.
+    fn stages(self) -> Vec<Part> {
+        match self {
+            Key::Evaluate(part) | Key::Advance(part) => vec![part],
+            Key::KickDrift => vec![Part::Momenta, Part::Coordinates],
+            Key::Amend | Key::Observe | Key::Energy => vec![Part::All],
+        }
+    }
+}
+
+fn part_index(part: Part) -> usize {
+    match part {
+        Part::All => 0,
+        Part::Coordinates => 1,
+        Part::Momenta => 2,
+    }
+}
+
+/// A place of numbers, by name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Operand {
+    Quantity(QuantityId, usize),
+    Rate(QuantityId, usize),
+    /// The share of a law that is evaluated on some steps only: (seat, slot).
+    Held(usize, usize),
+    /// A field at the place of the row: (field, component).
+    Field(usize, usize),
+    Constant(QuantityId, usize),
+    Default(f64),
+    Absent,
+}
+
+/// One operation.
+#[derive(Clone, Debug)]
+pub(crate) enum Op {
+    /// A sum begins: from zero, or from the values of another quantity.
+    Start { sum: QuantityId, from: Option<QuantityId> },
+    /// A field is sampled at the place of every row.
+    Sample { field: usize },
+    /// A law runs. `advance`: the stage whose step its rates advance the states by, at once.
+    Law { seat: usize, part: Part, advance: Option<usize>, energy: bool },
+    /// States advance by stored rates.
+    Axpy { stage: usize },
+    /// Shares that are held begin from zero again.
+    Release { seat: usize },
+    /// Held shares are added.
+    Hold { seat: usize },
+}
+
+/// An operation where it runs.
+#[derive(Clone, Debug)]
+pub(crate) struct Placed {
+    pub(crate) op: Op,
+    pub(crate) domain: usize,
+    pub(crate) rows: Option<Vec<u32>>,
+    /// Whether it may share a pass with its neighbours.
+    pub(crate) row_local: bool,
+    pub(crate) backend: Backend,
+    /// It runs on every n-th step.
+    pub(crate) every: u32,
+    /// What it reads and writes; for a law, by slot.
+    pub(crate) operands: Vec<Operand>,
+    pub(crate) writes: Vec<bool>,
+}
+
+/// What is asked, in order, cut into passes.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pub(crate) key: Key,
+    pub(crate) passes: Vec<Vec<Placed>>,
+}
+
+/// Makes the plan of a key.
+pub(crate) fn plan<P: Scalar>(key: Key, pipeline: &Pipeline<P>) -> Plan {
+    let mut ops = Vec::new();
+    for (stage, part) in key.stages().into_iter().enumerate() {
+        Stage { pipeline, key, stage, part, ops: &mut ops, started: Vec::new(), sampled: Vec::new() }.emit();
+    }
+    let mut passes: Vec<Vec<Placed>> = Vec::new();
+    for op in ops {
+        let joins = passes.last().and_then(|pass| pass.first()).is_some_and(|first| {
+            first.row_local
+                && op.row_local
+                && first.domain == op.domain
+                && first.rows == op.rows
+                && first.backend == op.backend
+        });
+        match passes.last_mut() {
+            Some(pass) if joins => pass.push(op),
+            _ => passes.push(vec![op]),
+        }
+    }
+    Plan { key, passes }
+}
+
+/// One stage of a key while its operations are listed.
+struct Stage<'a, P: Scalar> {
+    pipeline: &'a Pipeline<P>,
+    key: Key,
+    stage: usize,
+    part: Part,
+    ops: &'a mut Vec<Placed>,
+    started: Vec<QuantityId>,
+    sampled: Vec<(usize, usize)>,
+}
+
+impl<P: Scalar> Stage<'_, P> {
+    fn emit(mut self) {
+        let Pipeline { entries, registry, graph, observed, .. } = self.pipeline;
+        let (targets, needs) = match self.key {
+            Key::Evaluate(_) | Key::Advance(_) | Key::KickDrift => graph.raters(self.part, entries, registry),
+            Key::Amend => graph.amenders(entries, registry),
+            Key::Observe => (Vec::new(), observed.clone()),
+            Key::Energy => {
+                let all: Vec<usize> = graph.order.clone();
+                let needs = all.iter().flat_map(|&seat| {
+                    let seat = &registry.seats[seat];
+                    crate::graph::inputs(&entries[seat.law].signature, seat, u64::MAX)
+                });
+                (Vec::new(), needs.collect())
+            }
+        };
+        let makers = graph.makers(&needs, entries, registry);
+        let mut advanced = Vec::new();
+        for &seat in &graph.order {
+            let rates = targets.contains(&seat);
+            if rates || makers.contains(&seat) {
+                self.law(seat, rates, &targets, &makers, &mut advanced);
+            }
+        }
+        if self.key == Key::Observe {
+            // A sum that is looked at, but that nobody adds to, is still a sum from its start.
+            for &quantity in observed {
+                self.start(quantity, Backend::Auto);
+            }
+        }
+        if self.key == Key::Energy {
+            for seat in graph.order.clone() {
+                let quantities: Vec<QuantityId> =
+                    crate::graph::inputs(&entries[registry.seats[seat].law].signature, &registry.seats[seat], u64::MAX)
+                        .collect();
+                quantities.into_iter().for_each(|quantity| self.start(quantity, Backend::Auto));
+                self.push_law(seat, Part::All, None, true);
+            }
+        }
+        for state in advanced {
+            self.axpy(state);
+        }
+    }
+
+    fn seat(&self, seat: usize) -> (&Seat, &Entry) {
+        let seat = &self.pipeline.registry.seats[seat];
+        (seat, &self.pipeline.entries[seat.law])
+    }
+
+    fn law(&mut self, index: usize, rates: bool, targets: &[usize], makers: &[usize], advanced: &mut Vec<QuantityId>) {
+        let (seat, entry) = self.seat(index);
+        let mask = if rates { wanted_inputs(&entry.signature, self.part).unwrap_or(u64::MAX) } else { u64::MAX };
+        let touched: Vec<QuantityId> = entry
+            .signature
+            .ports
+            .iter()
+            .zip(&seat.ties)
+            .enumerate()
+            .filter(|(port, (declared, _))| {
+                declared.mode == Mode::Adds || declared.mode == Mode::Reads && (*port >= 64 || mask >> port & 1 == 1)
+            })
+            .filter_map(|(_, (_, tie))| if let Tie::Quantity(id) = tie { Some(*id) } else { None })
+            .collect();
+        let fields: Vec<usize> =
+            seat.ties.iter().filter_map(|tie| if let Tie::Field(field) = tie { Some(*field) } else { None }).collect();
+        let place = seat.place;
+        let backend = entry.options.backend;
+        touched.into_iter().for_each(|quantity| self.start(quantity, backend));
+        if let Some(place) = place {
+            fields.into_iter().for_each(|field| self.sample(index, field, place));
+        }
+        let advances = rates && matches!(self.key, Key::Advance(_) | Key::KickDrift);
+        let direct = advances && self.may_advance_at_once(index, targets, makers);
+        let advance = direct.then_some(self.stage);
+        self.push_law(index, self.part, advance, false);
+        if advances && !direct {
+            let (seat, entry) = self.seat(index);
+            for (port, tie) in entry.signature.ports.iter().zip(&seat.ties) {
+                if let (Mode::Rates, Tie::Quantity(id)) = (port.mode, tie)
+                    && self.part.holds(&port.property.role)
+                {
+                    advanced.push(*id);
+                }
+            }
+        }
+    }
+
+    /// A row law may advance its states at once if no law that follows in this stage looks at them.
+    fn may_advance_at_once(&self, index: usize, targets: &[usize], makers: &[usize]) -> bool {
+        let (seat, entry) = self.seat(index);
+        if entry.shape != Shape::Row {
+            return false;
+        }
+        let states: Vec<QuantityId> = crate::graph::outputs(&entry.signature, seat)
+            .filter(|(mode, _)| *mode == Mode::Rates)
+            .map(|(_, id)| id)
+            .collect();
+        let order = &self.pipeline.graph.order;
+        let after = order.iter().skip_while(|seat| **seat != index).skip(1);
+        after.filter(|seat| targets.contains(seat) || makers.contains(seat)).all(|&later| {
+            let (seat, entry) = self.seat(later);
+            crate::graph::inputs(&entry.signature, seat, u64::MAX).all(|id| !states.contains(&id))
+        })
+    }
+
+    /// A sum begins before the first law that adds to it or looks at it.
+    fn start(&mut self, quantity: QuantityId, backend: Backend) {
+        let registry = &self.pipeline.registry;
+        let known = &registry.quantities[quantity];
+        let is_sum = matches!(known.info.role, crate::property::Role::Sum { .. });
+        if !is_sum || known.given || self.started.contains(&quantity) {
+            return;
+        }
+        self.started.push(quantity);
+        let from = start_of(quantity, registry);
+        let width = known.info.kind.width();
+        let own = (0..width).map(|c| Operand::Quantity(quantity, c));
+        let other = from.into_iter().flat_map(|from| (0..width).map(move |c| Operand::Quantity(from, c)));
+        self.ops.push(Placed {
+            op: Op::Start { sum: quantity, from },
+            domain: known.domain,
+            rows: None,
+            row_local: true,
+            backend,
+            every: 1,
+            operands: own.chain(other).collect(),
+            writes: (0..2 * width).map(|k| k < width).collect(),
+        });
+    }
+
+    fn sample(&mut self, index: usize, field: usize, place: QuantityId) {
+        let (seat, entry) = self.seat(index);
+        let (domain, rows, backend) = (seat.domain, seat.rows.clone(), entry.options.backend);
+        // A group samples a field once: the same rows, no other pass between. A new pass samples anew.
+        let at = self.ops.iter().rposition(|op| matches!(op.op, Op::Sample { field: other, .. } if other == field));
+        let same_pass = at.is_some_and(|at| {
+            self.ops[at..].iter().all(|op| {
+                op.row_local && op.domain == domain && op.rows == rows && op.backend == backend && op.every == 1
+            })
+        });
+        if same_pass && self.sampled.contains(&(field, domain)) {
+            return;
+        }
+        self.sampled.push((field, domain));
+        self.ops.push(Placed {
+            op: Op::Sample { field },
+            domain,
+            rows,
+            row_local: true,
+            backend,
+            every: 1,
+            operands: (0..3)
+                .map(|c| Operand::Quantity(place, c))
+                .chain((0..3).map(|c| Operand::Field(field, c)))
+                .collect(),
+            writes: vec![false, false, false, true, true, true],
+        });
+    }
+
+    fn push_law(&mut self, index: usize, part: Part, advance: Option<usize>, energy: bool) {
+        let (seat, entry) = self.seat(index);
+        let every = entry.options.every;
+        let held = every > 1 && !energy;
+        let mask = wanted_inputs(&entry.signature, part);
+        let mut operands = Vec::new();
+        let mut writes = Vec::new();
+        for (number, (port, tie)) in entry.signature.ports.iter().zip(&seat.ties).enumerate() {
+            for component in 0..port.property.kind.width() {
+                let slot = operands.len();
+                let unwanted = port.mode.is_input()
+                    && !energy
+                    && mask.is_some_and(|mask| number < 64 && mask >> number & 1 == 0)
+                    && !entry.signature.ports.iter().any(|other| computes(other.mode) || other.mode == Mode::Amends);
+                operands.push(match (tie, port.mode) {
+                    _ if unwanted || energy && !port.mode.is_input() => Operand::Absent,
+                    (Tie::Absent, _) => Operand::Absent,
+                    (Tie::Default(value), _) => Operand::Default(value[component.min(2)]),
+                    (Tie::Field(field), _) => Operand::Field(*field, component),
+                    (Tie::Quantity(id), Mode::Rates) if !part.holds(&port.property.role) => {
+                        let _ = id;
+                        Operand::Absent
+                    }
+                    (Tie::Quantity(id), Mode::Rates) if advance.is_none() => Operand::Rate(*id, component),
+                    (Tie::Quantity(_), Mode::Adds) if held => Operand::Held(index, slot),
+                    (Tie::Quantity(id), _) if port.place == Place::Scene => Operand::Constant(*id, component),
+                    (Tie::Quantity(id), _) => Operand::Quantity(*id, component),
+                });
+                writes.push(!port.mode.is_input());
+            }
+        }
+        let placed = Placed {
+            op: Op::Law { seat: index, part, advance, energy },
+            domain: seat.domain,
+            rows: seat.rows.clone(),
+            row_local: entry.shape == Shape::Row && !held && !energy,
+            backend: entry.options.backend,
+            every: if energy { 1 } else { every },
+            operands,
+            writes,
+        };
+        if !held {
+            self.ops.push(placed);
+            return;
+        }
+        let release = Placed { op: Op::Release { seat: index }, row_local: false, ..placed.clone() };
+        let hold = Placed { op: Op::Hold { seat: index }, row_local: false, every: 1, ..placed.clone() };
+        self.ops.extend([release, placed, hold]);
+    }
+
+    fn axpy(&mut self, state: QuantityId) {
+        let known = &self.pipeline.registry.quantities[state];
+        let width = known.info.kind.width();
+        self.ops.push(Placed {
+            op: Op::Axpy { stage: self.stage },
+            domain: known.domain,
+            rows: None,
+            row_local: false,
+            backend: Backend::Auto,
+            every: 1,
+            operands: (0..width)
+                .map(|c| Operand::Quantity(state, c))
+                .chain((0..width).map(|c| Operand::Rate(state, c)))
+                .collect(),
+            writes: (0..2 * width).map(|k| k < width).collect(),
+        });
+    }
+}
+
+impl Plan {
+    /// Whether a computed quantity lives in one pass only, so that a scratch of a block is enough for it.
+    pub(crate) fn is_transient<P: Scalar>(&self, quantity: QuantityId, pipeline: &Pipeline<P>) -> bool {
+        let known = &pipeline.registry.quantities[quantity];
+        let previous = pipeline.registry.seats.iter().any(|seat| {
+            let ports = pipeline.entries[seat.law].signature.ports;
+            ports
+                .iter()
+                .zip(&seat.ties)
+                .any(|(port, tie)| port.mode == Mode::Previous && *tie == Tie::Quantity(quantity))
+        });
+        let looked_at = self.key == Key::Observe && pipeline.observed.contains(&quantity);
+        let computed = !known.given && !pipeline.states().contains(&quantity);
+        let passes: Vec<&Vec<Placed>> = self
+            .passes
+            .iter()
+            .filter(|pass| {
+                pass.iter()
+                    .any(|op| op.operands.iter().any(|at| matches!(at, Operand::Quantity(id, _) if *id == quantity)))
+            })
+            .collect();
+        let one_pass = matches!(passes.as_slice(), [pass] if pass.iter().all(|op| op.row_local && op.rows.is_none()));
+        computed && !previous && !looked_at && one_pass
+    }
+}
+
+/// Gives every computed quantity that outlives a pass a column in the state.
+pub(crate) fn materialise<P: Scalar>(plan: &Plan, pipeline: &Pipeline<P>, state: &mut State<P>) {
+    for pass in &plan.passes {
+        for operand in pass.iter().flat_map(|op| &op.operands) {
+            let Operand::Quantity(id, _) = operand else { continue };
+            let known = &pipeline.registry.quantities[*id];
+            if state.domains[known.domain].find(known.info.name).is_some() || plan.is_transient(*id, pipeline) {
+                continue;
+            }
+            let domain = &mut state.domains[known.domain];
+            let stream = domain.columns.iter().map(|column| column.info.kind.width()).sum();
+            domain.columns.push(Column::computed(known.info, domain.rows, stream));
+            state.changed_layout();
+        }
+    }
+}
+
+/// Notes in the report which laws nobody needs, and what that saves.
+pub(crate) fn prune<P: Scalar>(
+    entries: &[Entry],
+    registry: &mut Registry,
+    graph: &Graph,
+    observed: &[QuantityId],
+    state: &State<P>,
+) {
+    let (raters, mut needs) = graph.raters(Part::All, entries, registry);
+    let (amenders, more) = graph.amenders(entries, registry);
+    needs.extend(more);
+    needs.extend(observed);
+    let makers = graph.makers(&needs, entries, registry);
+    let mut pruned = Vec::new();
+    for (index, seat) in registry.seats.iter().enumerate() {
+        if raters.contains(&index) || amenders.contains(&index) || makers.contains(&index) {
+            continue;
+        }
+        let results: Vec<String> =
+            crate::graph::outputs(&entries[seat.law].signature, seat).map(|(_, id)| registry.name(id, state)).collect();
+        pruned.push((seat.law, results));
+    }
+    for (law, results) in pruned {
+        registry.report.laws[law].status = Status::Pruned { results };
+    }
+}

@@ -1,0 +1,375 @@
+//! Runs programs, and answers integrators.
+
+use super::bind::{BoundPass, ColumnPass, LinkPass, Located, PairPass, Pass};
+use super::plan::Key;
+use super::{FusedChain, Listed, Machine, Pipeline};
+use crate::backend::{Kernel, LinkCall, PairCall, Strided};
+use crate::field::Field;
+use crate::integrate::{Register, System};
+use crate::law::{ColumnAccess, Part, PortView};
+use crate::property::{Property, PropertyInfo, Time};
+use crate::real::{Isa, Scalar};
+use crate::state::State;
+use std::sync::Arc;
+
+/// What every pass of a run shares.
+pub(crate) struct Context<'a, P: Scalar> {
+    pub(crate) laws: &'a [Listed<P>],
+    pub(crate) chains: &'a [FusedChain<P>],
+    pub(crate) fields: &'a [(PropertyInfo, Arc<dyn Field<P>>)],
+    pub(crate) lent: &'a [*mut P],
+    pub(crate) isa: Isa,
+    pub(crate) machine: &'a Machine,
+    pub(crate) time: P,
+    pub(crate) steps: [P; 2],
+}
+
+impl<P: Scalar> Context<'_, P> {
+    /// Runs a law, and tells the probe, where there is one.
+    pub(crate) fn timed(&self, law: usize, run: impl FnOnce()) {
+        match &self.machine.probe {
+            None => run(),
+            Some(probe) => {
+                let from = probe.now();
+                run();
+                probe.ran(law, from);
+            }
+        }
+    }
+}
+
+/// Gives each desk to a thread of its own.
+pub(super) fn on_threads<P: Scalar, D: Send>(
+    context: &Context<'_, P>,
+    desks: &mut [D],
+    work: impl Fn(usize, &mut D) + Send + Sync,
+) {
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
+        let mut run = || desks.par_iter_mut().enumerate().for_each(|(thread, desk)| work(thread, desk));
+        match &context.machine.pool {
+            Some(pool) => pool.install(run),
+            None => run(),
+        }
+    }
+    #[cfg(not(feature = "parallel"))]
+    {
+        let _ = context;
+        desks.iter_mut().enumerate().for_each(|(thread, desk)| work(thread, desk));
+    }
+}
+
+/// A pointer that threads follow at disjoint rows.
+struct Shared<T>(T);
+// SAFETY: whoever makes one sends it to threads that touch disjoint rows.
+unsafe impl<T> Sync for Shared<T> {}
+
+/// Calls `work` with the parts of `0..count`, on as many threads; parts begin at multiples of `grain`.
+fn in_parts<P: Scalar>(
+    context: &Context<'_, P>,
+    threads: usize,
+    count: usize,
+    grain: usize,
+    work: impl Fn(core::ops::Range<usize>),
+) {
+    let parts = count.div_ceil(grain);
+    if threads <= 1 || parts <= 1 {
+        return work(0..count);
+    }
+    // More parts than threads, so that a thread that is late does not hold up the others; the parts are the same for
+    // any number of threads, and no sum crosses them.
+    let pieces = (threads * 4).min(parts);
+    let each = parts.div_ceil(pieces) * grain;
+    let mut ranges = [const { 0..0 }; 256];
+    let used = count.div_ceil(each).min(ranges.len());
+    for (piece, range) in ranges[..used].iter_mut().enumerate() {
+        *range = piece * each..((piece + 1) * each).min(count);
+    }
+    if let Some(last) = ranges[..used].last_mut() {
+        last.end = count;
+    }
+    let work = Shared(work);
+    let work = &work;
+    on_threads(context, &mut ranges[..used], move |_, range| (work.0)(range.clone()));
+}
+
+/// A pipeline at work on a state.
+pub(crate) struct Runner<'a, P: Scalar> {
+    pub(crate) pipeline: &'a mut Pipeline<P>,
+    pub(crate) context: Context<'a, P>,
+    /// Where laws read the time.
+    clock: Option<*mut P>,
+    /// The time in full precision.
+    pub(crate) time: f64,
+    /// The number of the step, for laws that are not evaluated on every one.
+    pub(crate) step: u64,
+    pub(crate) evaluations: u64,
+}
+
+impl<'a, P: Scalar> Runner<'a, P> {
+    /// A runner on a state that has the pipeline's layout, at this time and step.
+    pub(crate) fn new(
+        pipeline: &'a mut Pipeline<P>,
+        state: &'a State<P>,
+        (laws, chains, machine): (&'a [Listed<P>], &'a [FusedChain<P>], &'a Machine),
+        lent: &'a [*mut P],
+        (time, step): (f64, u64),
+    ) -> Self {
+        if !lent.is_empty() {
+            pipeline.forget_addresses();
+        }
+        let context = Context {
+            laws,
+            chains,
+            fields: &state.fields,
+            lent,
+            isa: machine.isa,
+            machine,
+            time: P::from_f64(time),
+            steps: [P::default(); 2],
+        };
+        let clock = super::bind::locate_column(state, 0, Time::NAME, 0).map(|place| place.base.resolve(lent));
+        let mut runner = Runner { pipeline, context, clock, time, step, evaluations: 0 };
+        runner.set_time(time);
+        runner
+    }
+
+    /// Runs what a key asks; the energy, where that is what it asks.
+    pub(crate) fn run(&mut self, key: Key) -> f64 {
+        let Pipeline { programs, vectors, .. } = &mut *self.pipeline;
+        let mut energy = 0.0;
+        for pass in &mut programs[key.index()].passes {
+            let fill = pass.every <= 1 || self.step.is_multiple_of(pass.every.into());
+            let due = match (pass.fills, &pass.pass) {
+                (Some(held), _) => fill || !vectors.filled[held],
+                (None, Pass::Release(_)) => fill || vectors.filled.iter().any(|filled| !filled),
+                (None, _) => true,
+            };
+            if due {
+                energy += run_pass(pass, &self.context);
+                if let Some(held) = pass.fills {
+                    vectors.filled[held] = true;
+                }
+            }
+        }
+        energy
+    }
+
+    fn elementwise(&self, to: Register, from: Register, part: Part, each: impl Fn(P, P) -> P) {
+        self.pipeline.vectors.for_each(
+            to,
+            from,
+            part,
+            self.context.lent,
+            |(to, to_stride), (from, from_stride), count| {
+                if to_stride == 1 && from_stride == 1 && !core::ptr::eq(to, from) {
+                    // SAFETY: both vectors have `count` numbers here, and are different arrays; the runner holds the state.
+                    let (to, from) = unsafe {
+                        (core::slice::from_raw_parts_mut(to, count), core::slice::from_raw_parts(from, count))
+                    };
+                    for (to, from) in to.iter_mut().zip(from) {
+                        *to = each(*to, *from);
+                    }
+                    return;
+                }
+                for row in 0..count {
+                    // SAFETY: as above, `stride` apart.
+                    unsafe { *to.add(row * to_stride) = each(*to.add(row * to_stride), *from.add(row * from_stride)) };
+                }
+            },
+        );
+    }
+}
+
+impl<P: Scalar> System for Runner<'_, P> {
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn set_time(&mut self, time: f64) {
+        self.time = time;
+        self.context.time = P::from_f64(time);
+        if let Some(clock) = self.clock {
+            // SAFETY: it points to the one number of the scene's time, in the state that the runner holds.
+            unsafe { *clock = self.context.time };
+        }
+    }
+
+    fn evaluate(&mut self, part: Part) {
+        self.evaluations += 1;
+        self.run(Key::Evaluate(part));
+    }
+
+    fn advance(&mut self, stages: &[(Part, f64)]) {
+        let mut rest = stages;
+        while let [(part, step), after @ ..] = rest {
+            self.context.steps[0] = P::from_f64(*step);
+            // A drift that only follows velocities is no evaluation of forces.
+            self.evaluations += u64::from(*part != Part::Coordinates);
+            rest = match (part, after) {
+                (Part::Momenta, [(Part::Coordinates, drift), after @ ..]) => {
+                    self.context.steps[1] = P::from_f64(*drift);
+                    self.run(Key::KickDrift);
+                    after
+                }
+                _ => {
+                    self.run(Key::Advance(*part));
+                    after
+                }
+            };
+        }
+    }
+
+    fn axpy(&mut self, to: Register, a: f64, x: Register, part: Part) {
+        let a = P::from_f64(a);
+        self.elementwise(to, x, part, |to, x| to + x * a);
+    }
+
+    fn copy(&mut self, to: Register, from: Register, part: Part) {
+        self.elementwise(to, from, part, |_, from| from);
+    }
+
+    fn zero(&mut self, to: Register, part: Part) {
+        self.elementwise(to, to, part, |_, _| P::default());
+    }
+
+    fn momenta_depend_on_momenta(&self) -> bool {
+        self.pipeline.structure.momenta_depend_on_momenta
+    }
+}
+
+fn run_pass<P: Scalar>(pass: &mut BoundPass<P>, context: &Context<'_, P>) -> f64 {
+    match &mut pass.pass {
+        // SAFETY: `Runner` is only made for a state with the layout that the program was tied to, held exclusively.
+        Pass::Group(group) => return unsafe { group.run(context) },
+        Pass::Pair(pass) => return run_pair(pass, context),
+        Pass::Link(pass) => return run_link(pass, context),
+        Pass::Column(pass) => run_columns(pass, context),
+        Pass::Axpy { parts, stage } => add_scaled(parts, Some(context.steps[*stage]), context),
+        Pass::Hold(parts) => add_scaled(parts, None, context),
+        Pass::Release(numbers) => {
+            for (start, count) in numbers {
+                // SAFETY: held shares are this program's own.
+                unsafe { core::slice::from_raw_parts_mut(*start, *count) }.fill(P::default());
+            }
+        }
+    }
+    0.0
+}
+
+fn add_scaled<P: Scalar>(parts: &[(Located<P>, *mut P)], step: Option<P>, context: &Context<'_, P>) {
+    for (to, from) in parts {
+        let start = to.base.resolve(context.lent);
+        for row in 0..to.len {
+            // SAFETY: both have `len` numbers; the runner holds the state.
+            unsafe {
+                let share = *from.add(row);
+                *start.add(row * to.stride) += step.map_or(share, |step| share * step);
+            }
+        }
+    }
+}
+
+/// Rows of a pair law that a thread takes at a time: a multiple of every width of lanes.
+const PAIR_GRAIN: usize = 64;
+
+fn run_pair<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 {
+    let Kernel::Pair(kernel) = &context.laws[pass.law].compiled.kernel else { return 0.0 };
+    for transfer in &pass.transfers {
+        // SAFETY: packed arrays have a number for every row.
+        unsafe { transfer.load(context.lent, 0..pass.rows, pass.packed[transfer.scratch].pointer()) };
+    }
+    let call = |rows: core::ops::Range<usize>| PairCall {
+        slots: &pass.slots,
+        rows: pass.rows,
+        from: rows.start,
+        to: rows.end,
+    };
+    if pass.energy {
+        // SAFETY: the slots have a number for every row.
+        return unsafe { kernel.energy(&call(0..pass.rows)) }.unwrap_or_default();
+    }
+    context.timed(pass.law, || {
+        in_parts(context, pass.threads, pass.rows, PAIR_GRAIN, |rows| {
+            // SAFETY: as above; parts sum for different rows.
+            unsafe { kernel.run(context.isa, &call(rows)) };
+        });
+    });
+    for transfer in pass.transfers.iter().filter(|transfer| transfer.save) {
+        // SAFETY: as above.
+        unsafe { transfer.store(context.lent, 0..pass.rows, pass.packed[transfer.scratch].pointer()) };
+    }
+    0.0
+}
+
+/// Links, and rows linked to, that a thread takes at a time.
+const LINK_GRAIN: usize = 1024;
+
+fn run_link<P: Scalar>(pass: &mut LinkPass<P>, context: &Context<'_, P>) -> f64 {
+    let Kernel::Link(kernel) = &context.laws[pass.law].compiled.kernel else { return 0.0 };
+    pass.resolved.clear();
+    pass.resolved
+        .extend(pass.slots.iter().map(|(base, stride)| Strided { start: base.resolve(context.lent), stride: *stride }));
+    // SAFETY: the links of the layout that the program was tied to.
+    let ends = unsafe { core::slice::from_raw_parts(pass.ends.0, pass.ends.1) };
+    let shares = pass.gather.as_ref().map_or(core::ptr::null_mut(), |gather| gather.shares.pointer());
+    let call = |links: core::ops::Range<usize>| LinkCall {
+        slots: &pass.resolved,
+        ends,
+        from: links.start,
+        to: links.end,
+        shares,
+    };
+    if pass.energy {
+        // SAFETY: the slots reach all rows, and the ends were checked when the state was made.
+        return unsafe { kernel.energy(&call(0..pass.links)) }.unwrap_or_default();
+    }
+    context.timed(pass.law, || {
+        let Some(gather) = &pass.gather else {
+            // SAFETY: as above.
+            unsafe { kernel.run(context.isa, &call(0..pass.links)) };
+            return;
+        };
+        in_parts(context, pass.threads, pass.links, LINK_GRAIN, |links| {
+            // SAFETY: as above; parts write the shares of different links.
+            unsafe { kernel.run(context.isa, &call(links)) };
+        });
+        let outputs = &pass.resolved[pass.resolved.len() - gather.outputs..];
+        in_parts(context, pass.threads, gather.first.len() - 1, LINK_GRAIN, |rows| {
+            for row in rows {
+                let items = gather.first[row] as usize..gather.first[row + 1] as usize;
+                for (output, to) in outputs.iter().enumerate() {
+                    // SAFETY: every row belongs to one part, and every share is written by now.
+                    unsafe {
+                        let to = to.start.add(row * to.stride);
+                        for &item in &gather.items[items.clone()] {
+                            *to += *gather.shares.pointer().add(item as usize * gather.outputs + output);
+                        }
+                    }
+                }
+            }
+        });
+    });
+    0.0
+}
+
+fn run_columns<P: Scalar>(pass: &mut ColumnPass<P>, context: &Context<'_, P>) {
+    let Kernel::Column(kernel) = &context.laws[pass.law].compiled.kernel else { return };
+    pass.views.clear();
+    pass.views.extend(pass.ports.iter().map(|(bases, stride, rows)| PortView {
+        components: bases.map(|base| base.map_or(core::ptr::null_mut(), |base| base.resolve(context.lent))),
+        stride: *stride,
+        rows: *rows,
+    }));
+    let link = pass.link.map(|(start, count, arity)| {
+        // SAFETY: the links of the layout that the program was tied to.
+        (unsafe { core::slice::from_raw_parts(start, count) }, arity)
+    });
+    // SAFETY: the views reach all rows of the columns of this law's ports; the runner holds the state.
+    let access = unsafe { ColumnAccess::new(&pass.views, link) };
+    context.timed(pass.law, || {
+        // SAFETY: as above.
+        unsafe { kernel.run(&access) };
+    });
+}

@@ -1,0 +1,16 @@
+//! Everything that a law, and a program that runs laws, needs: `use vesper::prelude::*;`.
+
+pub use crate::column::{Column, Lent, Values};
+pub use crate::domain::{AsProperty, Domain};
+pub use crate::engine::{Builder, Checkpoint, Engine, Listing, Place};
+pub use crate::error::{Fault, Faults};
+pub use crate::field::{Boxes, Dipole, Field, FieldBox, Point, Uniform};
+pub use crate::integrate::{Integrator, Leapfrog, Part, Register, RungeKutta4, SemiImplicitEuler, Structure, System};
+pub use crate::law::{ColumnLaw, DynLaw, Law, LinkLaw, PairLaw, RowLaw, Signature};
+pub use crate::pipeline;
+pub use crate::property::*;
+pub use crate::real::{Real, Scalar as Precision, Vector as _};
+pub use crate::registry::{Backend, Report, Status};
+pub use crate::state::State;
+pub use glam::{DVec3, Vec3};
+pub use vesper_macros::{Law, kernel, property};

@@ -1,0 +1,253 @@
+//! All data of a run: domains of rows, columns of properties, constants, fields.
+//!
+//! In: [`Domain`]s as the client gives them. Out: [`State`], checked, in one precision, in the properties' units; read
+//! and changed by the client between steps. Never: a law; a name that only a physicist knows.
+
+mod build;
+mod edit;
+
+use crate::column::{Column, Storage};
+use crate::domain::{AsProperty, SCENE};
+use crate::error::{Fault, nearest};
+use crate::field::Field;
+use crate::property::{Numeric, Property, PropertyInfo, Time, ValueOf};
+use crate::real::Scalar;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// One domain of a state.
+#[derive(Clone, Debug)]
+pub struct DomainState<P: Scalar> {
+    pub(crate) name: String,
+    pub(crate) rows: usize,
+    pub(crate) columns: Vec<Column<P>>,
+}
+
+impl<P: Scalar> DomainState<P> {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// How many rows it has.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Its columns, given ones and computed ones.
+    pub fn columns(&self) -> &[Column<P>] {
+        &self.columns
+    }
+
+    pub(crate) fn find(&self, property: &str) -> Option<usize> {
+        self.columns.iter().position(|column| column.info.name == property)
+    }
+}
+
+/// All data of a run.
+///
+/// The domain "scene" has one row and holds the constants and the time.
+pub struct State<P: Scalar> {
+    pub(crate) domains: Vec<DomainState<P>>,
+    pub(crate) fields: Vec<(PropertyInfo, Arc<dyn Field<P>>)>,
+    identity: u64,
+    version: u64,
+}
+
+impl<P: Scalar> core::fmt::Debug for State<P> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let fields: Vec<_> = self.fields.iter().map(|(property, _)| property.name).collect();
+        f.debug_struct("State").field("domains", &self.domains).field("fields", &fields).finish()
+    }
+}
+
+impl<P: Scalar> Clone for State<P> {
+    fn clone(&self) -> Self {
+        State {
+            domains: self.domains.clone(),
+            fields: self.fields.clone(),
+            identity: fresh_identity(),
+            version: self.version,
+        }
+    }
+}
+
+fn fresh_identity() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    NEXT.fetch_add(1, Ordering::Relaxed)
+}
+
+impl<P: Scalar> State<P> {
+    /// Tells states and their layouts apart: whoever keeps pointers into columns keeps this beside them.
+    pub(crate) fn layout(&self) -> (u64, u64) {
+        (self.identity, self.version)
+    }
+
+    /// To be called by everything that moves, adds or removes a column or a row.
+    pub(crate) fn changed_layout(&mut self) {
+        self.version += 1;
+    }
+
+    /// All domains; the first one is "scene".
+    pub fn domains(&self) -> &[DomainState<P>] {
+        &self.domains
+    }
+
+    pub(crate) fn domain_index(&self, name: &str) -> Option<usize> {
+        self.domains.iter().position(|domain| domain.name == name)
+    }
+
+    /// A domain.
+    ///
+    /// # Errors
+    /// There is none of this name.
+    pub fn domain(&self, name: &str) -> Result<&DomainState<P>, Fault> {
+        self.domain_index(name).map(|index| &self.domains[index]).ok_or_else(|| self.no_domain(name))
+    }
+
+    pub(crate) fn no_domain(&self, name: &str) -> Fault {
+        Fault::NoDomain {
+            domain: name.to_owned(),
+            nearest: nearest(name, self.domains.iter().map(|domain| domain.name.as_str())),
+        }
+    }
+
+    fn no_property(domain: &DomainState<P>, property: &str) -> Fault {
+        Fault::NoProperty {
+            domain: domain.name.clone(),
+            property: property.to_owned(),
+            nearest: nearest(property, domain.columns.iter().map(|column| column.info.name)),
+        }
+    }
+
+    /// A column, by name. Computed columns exist where they are observed or where laws exchange them.
+    ///
+    /// # Errors
+    /// There is no such domain or property.
+    pub fn column(&self, domain: &str, property: &str) -> Result<&Column<P>, Fault> {
+        let domain = self.domain(domain)?;
+        let index = domain.find(property).ok_or_else(|| Self::no_property(domain, property))?;
+        Ok(&domain.columns[index])
+    }
+
+    /// A column to change in place, by name.
+    ///
+    /// # Errors
+    /// There is no such domain or property.
+    pub fn column_mut(&mut self, domain: &str, property: &str) -> Result<&mut Column<P>, Fault> {
+        let place = self.domain_index(domain).ok_or_else(|| self.no_domain(domain))?;
+        let domain = &mut self.domains[place];
+        match domain.find(property) {
+            Some(index) => Ok(&mut domain.columns[index]),
+            None => Err(Self::no_property(domain, property)),
+        }
+    }
+
+    fn place(&self, domain: &str, property: &PropertyInfo, row: usize) -> Result<usize, Fault> {
+        let column = self.column(domain, property.name)?;
+        if column.info.kind != property.kind {
+            return Err(Fault::Kind {
+                domain: domain.to_owned(),
+                property: property.name.to_owned(),
+                expected: column.info.kind.to_string(),
+                given: property.kind.to_string(),
+                width: column.info.kind.width(),
+            });
+        }
+        column.index_of(row).ok_or_else(|| Fault::NoRow {
+            domain: format!("{domain}.{}", property.name),
+            row,
+            rows: column.len(),
+        })
+    }
+
+    /// The value of one row.
+    ///
+    /// # Errors
+    /// There is no such domain, property or row.
+    pub fn get<Q: Property<Kind: Numeric>>(&self, domain: &str, _: Q, row: usize) -> Result<ValueOf<Q, P>, Fault> {
+        let index = self.place(domain, &Q::INFO, row)?;
+        let column = self.column(domain, Q::NAME)?;
+        Ok(<Q::Kind as Numeric>::from_components(|component| column.number(index, component)))
+    }
+
+    /// Changes the value of one row.
+    ///
+    /// # Errors
+    /// There is no such domain, property or row.
+    pub fn set<Q: Property<Kind: Numeric>>(
+        &mut self,
+        domain: &str,
+        _: Q,
+        row: usize,
+        value: ValueOf<Q, P>,
+    ) -> Result<(), Fault> {
+        let index = self.place(domain, &Q::INFO, row)?;
+        let column = self.column_mut(domain, Q::NAME)?;
+        <Q::Kind as Numeric>::each_component(value, |component, number| column.set_number(index, component, number));
+        Ok(())
+    }
+
+    /// The values of all rows (of the subset, where there is one).
+    ///
+    /// # Errors
+    /// There is no such domain or property.
+    pub fn values<Q: Property<Kind: Numeric>>(&self, domain: &str, _: Q) -> Result<Vec<ValueOf<Q, P>>, Fault> {
+        let column = self.column(domain, Q::NAME)?;
+        Ok((0..column.len())
+            .map(|index| <Q::Kind as Numeric>::from_components(|component| column.number(index, component)))
+            .collect())
+    }
+
+    /// The numbers of a column in f64, one value after the other.
+    ///
+    /// # Errors
+    /// There is no such domain or property.
+    pub fn numbers(&self, domain: &str, property: impl AsProperty) -> Result<Vec<f64>, Fault> {
+        let column = self.column(domain, property.info().name)?;
+        let width = column.info.kind.width();
+        Ok((0..column.len() * width).map(|k| column.number(k / width, k % width).to_f64()).collect())
+    }
+
+    /// The time of the state, in s.
+    pub fn time(&self) -> P {
+        self.scene_number(Time::NAME)
+    }
+
+    fn scene_number(&self, property: &str) -> P {
+        self.domains
+            .first()
+            .and_then(|scene| scene.find(property).map(|index| scene.columns[index].number(0, 0)))
+            .unwrap_or_default()
+    }
+
+    /// A hash of every given number and link, for determinism tests: equal states have equal hashes, bit for bit.
+    pub fn hash(&self) -> u64 {
+        // FNV-1a, 64 bits (Fowler, Noll, Vo): the order of the bytes is the order of domains, columns and rows.
+        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+        let mut add = |word: u64| {
+            for byte in word.to_le_bytes() {
+                hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+            }
+        };
+        for domain in &self.domains {
+            for column in domain.columns.iter().filter(|column| column.given) {
+                match &column.storage {
+                    Storage::Link { rows, .. } => rows.iter().for_each(|&row| add(row.into())),
+                    Storage::Split(_) | Storage::Lent(_) => {
+                        for index in 0..column.len() {
+                            for component in 0..column.info.kind.width() {
+                                add(column.number(index, component).bits());
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        hash
+    }
+
+    pub(crate) fn scene_name() -> &'static str {
+        SCENE
+    }
+}
