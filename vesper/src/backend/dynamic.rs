@@ -30,19 +30,20 @@ impl<P: Scalar> RowKernel<P> for Closure {
         for row in 0..call.rows {
             for (port, slot) in law.signature.ports[..first].iter().zip(slots) {
                 let at = if port.place == Place::Scene { 0 } else { row };
-                for component in *slot..slot + port.property.kind.width() {
+                let width = port.property.kind.width();
+                for (number, from) in numbers[*slot..][..width].iter_mut().zip(&call.slots[*slot..]) {
                     // SAFETY: the caller promises the rows.
-                    numbers[component] = unsafe { (*call.slots[component].add(at)).to_f64() };
+                    *number = unsafe { (*from.add(at)).to_f64() };
                 }
             }
             numbers[inputs..all].fill(0.0);
             let (given, results) = numbers.split_at_mut(inputs);
             (law.body)(given, &mut results[..all - inputs]);
             for (port, slot) in law.signature.ports[first..].iter().zip(&slots[first..]) {
-                for component in *slot..slot + port.property.kind.width() {
-                    let value = P::from_f64(numbers[component]);
+                let width = port.property.kind.width();
+                for (number, to) in numbers[*slot..][..width].iter().zip(&call.slots[*slot..]) {
                     // SAFETY: as above; a null slot belongs to a part that is not wanted.
-                    unsafe { write(port.mode, port.property.role, call, call.slots[component], row, value) };
+                    unsafe { write(port.mode, port.property.role, call, *to, row, P::from_f64(*number)) };
                 }
             }
         }

@@ -94,8 +94,9 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
     /// What all other rows do to the rows of one set of lanes.
     #[inline(always)]
     fn sum<R: Lanes<P>>(law: &F::Kernel<R>, slots: &Slots<P>, i: usize, rows: usize) {
-        // SAFETY (of all blocks here): `PairKernel::run` was promised the rows.
-        let row_i = <F::Kernel<R> as Declared<R>>::load(&unsafe { Rows::<P>::new(slots, i) });
+        // SAFETY: `PairKernel::run` was promised the rows; the same for all blocks here.
+        let source = unsafe { Rows::<P>::new(slots, i) };
+        let row_i = <F::Kernel<R> as Declared<R>>::load(&source);
         let mut sums = Sums::zero(Self::FIRST);
         let share = |j: usize| {
             // SAFETY: see above.
@@ -161,8 +162,9 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
     /// The same for one row that no lanes are left for; the body is not called for the row itself.
     #[inline(always)]
     fn sum_one(law: &F::Kernel<P>, slots: &Slots<P>, i: usize, rows: usize) {
-        // SAFETY (of all blocks here): `PairKernel::run` was promised the rows.
-        let row_i = <F::Kernel<P> as Declared<P>>::load(&unsafe { Rows::<P>::new(slots, i) });
+        // SAFETY: `PairKernel::run` was promised the rows; the same for all blocks here.
+        let source = unsafe { Rows::<P>::new(slots, i) };
+        let row_i = <F::Kernel<P> as Declared<P>>::load(&source);
         let mut sums = Sums::zero(Self::FIRST);
         for j in (0..i).chain(i + 1..rows) {
             // SAFETY: see above.

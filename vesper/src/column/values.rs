@@ -20,6 +20,13 @@ impl Values {
         Values { width, numbers }
     }
 
+    /// The same as one value of this width, where there are just as many numbers: for a constant, `[0.0, 0.0, -9.81]` is
+    /// one vector and not three scalars.
+    #[must_use]
+    pub fn as_one(self, width: usize) -> Self {
+        if self.numbers.len() == width { Values { width, ..self } } else { self }
+    }
+
     /// How many values there are.
     pub fn rows(&self) -> usize {
         self.numbers.len() / self.width.max(1)

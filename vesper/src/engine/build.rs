@@ -178,10 +178,11 @@ impl<P: Scalar> Builder<P> {
         self
     }
 
-    /// Adds a constant of the scene: one number, or one vector `[[x, y, z]]`.
+    /// Adds a constant of the scene: a number, or the components of a vector, `[0.0, 0.0, -9.81]`.
     #[must_use]
     pub fn constant(mut self, property: impl AsProperty, value: impl Into<Values>) -> Self {
-        self.constants = self.constants.with(property, value);
+        let info = property.info();
+        self.constants = self.constants.with(info, value.into().as_one(info.kind.width()));
         self
     }
 

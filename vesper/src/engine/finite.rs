@@ -1,5 +1,6 @@
 //! Finds numbers that are no numbers any more, once a frame.
 
+use crate::column::Storage;
 use crate::error::{Fault, Faults};
 use crate::pipeline::Pipeline;
 use crate::real::Scalar;
@@ -11,19 +12,12 @@ pub(super) fn check<P: Scalar>(pipeline: &Pipeline<P>, state: &State<P>, step: u
     for moved in &pipeline.vectors.states {
         let known = &pipeline.registry.quantities[moved.quantity];
         let domain = &state.domains()[known.domain];
-        let Ok(column) = state.column(&domain.name, known.info.name) else { continue };
-        let width = known.info.kind.width();
-        let bad = match column.components() {
-            // `x - x` is 0 for every finite number, and the sum of zeros tells in one pass without branches.
-            Some(components) => {
-                let clean = components.iter().all(|numbers| {
-                    let sum = numbers.iter().fold(P::default(), |sum, &number| sum + (number - number));
-                    sum == P::default()
-                });
-                if clean { None } else { first_bad(column, width) }
-            }
-            None => first_bad(column, width),
+        let Some(column) = domain.find(known.info.name).map(|at| &domain.columns[at]) else { continue };
+        let clean = match &column.storage {
+            Storage::Split(components) => components.iter().all(|numbers| all_finite(numbers.as_slice())),
+            Storage::Lent(_) | Storage::Link { .. } => false,
         };
+        let bad = if clean { None } else { first_bad(column, known.info.kind.width()) };
         let Some((index, value)) = bad else { continue };
         let row = column.subset().map_or(index, |rows| rows[index] as usize);
         faults.push(Fault::BlowUp {
@@ -37,6 +31,19 @@ pub(super) fn check<P: Scalar>(pipeline: &Pipeline<P>, state: &State<P>, step: u
         });
     }
     Faults::unless_empty(faults, ())
+}
+
+/// `x - x` is 0 for every finite number, and sums of zeros in a few lanes tell in one pass without branches.
+fn all_finite<P: Scalar>(numbers: &[P]) -> bool {
+    let mut sums = [P::default(); 16];
+    let itself = |number: P| number;
+    let (chunks, rest) = numbers.as_chunks::<16>();
+    for chunk in chunks {
+        for (sum, &number) in sums.iter_mut().zip(chunk) {
+            *sum += number - itself(number);
+        }
+    }
+    sums.iter().all(|sum| *sum == P::default()) && rest.iter().all(|number| number.is_finite())
 }
 
 fn first_bad<P: Scalar>(column: &crate::column::Column<P>, width: usize) -> Option<(usize, f64)> {

@@ -135,11 +135,14 @@ pub(crate) struct Gather<P: Scalar> {
     pub(crate) outputs: usize,
 }
 
+/// A port of a column law: base of every component, stride, rows.
+pub(crate) type BoundPort<P> = ([Option<Base<P>>; 4], usize, usize);
+
 /// A column law.
 pub(crate) struct ColumnPass<P: Scalar> {
     pub(crate) law: usize,
     /// Base of every component, stride, rows; by port.
-    pub(crate) ports: Vec<([Option<Base<P>>; 4], usize, usize)>,
+    pub(crate) ports: Vec<BoundPort<P>>,
     pub(crate) views: Vec<crate::law::PortView<P>>,
     pub(crate) link: Option<(*const u32, usize, usize)>,
     pub(crate) _defaults: Box<[P]>,

@@ -302,19 +302,21 @@ impl<P: Scalar, T: Chained, const DRIFT: bool> Loop<'_, P, T, DRIFT> {
         let zero = R::lit(0.0);
         let mut file = Registers { values: [zero; REGISTERS], rates: [zero; REGISTERS], present: 0 };
         let layout = const { &T::LAYOUT };
-        // SAFETY (of all blocks here): `FusedChain::run` was promised the rows.
-        let load = |register: usize| unsafe {
+        let load = |register: usize| {
             let from = self.pointers[register];
-            match layout.kinds[register] {
-                Register::Given => R::load(from.add(row)),
-                Register::Constant => R::splat(*from),
-                Register::Optional if from.is_null() => zero,
-                Register::Optional => R::load(from.add(row)),
-                Register::OptionalConstant if from.is_null() => zero,
-                Register::OptionalConstant => R::splat(*from),
-                Register::Sum if from.is_null() => zero,
-                Register::Sum => R::load(from.add(row)),
-                Register::Set => zero,
+            // SAFETY: `FusedChain::run` was promised the rows; the same for all blocks here.
+            unsafe {
+                match layout.kinds[register] {
+                    Register::Given => R::load(from.add(row)),
+                    Register::Constant => R::splat(*from),
+                    Register::Optional if from.is_null() => zero,
+                    Register::Optional => R::load(from.add(row)),
+                    Register::OptionalConstant if from.is_null() => zero,
+                    Register::OptionalConstant => R::splat(*from),
+                    Register::Sum if from.is_null() => zero,
+                    Register::Sum => R::load(from.add(row)),
+                    Register::Set => zero,
+                }
             }
         };
         each_register!(|register| if register < layout.count {
@@ -323,7 +325,7 @@ impl<P: Scalar, T: Chained, const DRIFT: bool> Loop<'_, P, T, DRIFT> {
         });
         T::steps::<T, R, Kick>(bodies, &mut file);
         each_register!(|register| if layout.kicked[register] {
-            file.values[register] = file.values[register] + file.rates[register] * R::splat(self.kick);
+            file.values[register] += file.rates[register] * R::splat(self.kick);
             // SAFETY: see above.
             unsafe { file.values[register].store(self.pointers[register].add(row)) };
         });

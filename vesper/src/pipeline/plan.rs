@@ -448,9 +448,14 @@ pub(crate) fn prune<P: Scalar>(
         }
         let results: Vec<String> =
             crate::graph::outputs(&entries[seat.law].signature, seat).map(|(_, id)| registry.name(id, state)).collect();
-        pruned.push((seat.law, results));
+        let rows = seat.rows.as_ref().map_or(state.domains[seat.domain].rows, Vec::len);
+        let saving = match entries[seat.law].shape {
+            Shape::Pair => format!("{} pairs", rows * rows.saturating_sub(1) / 2),
+            Shape::Row | Shape::Link | Shape::Column => format!("{rows} rows"),
+        };
+        pruned.push((seat.law, Status::Pruned { results, saving }));
     }
-    for (law, results) in pruned {
-        registry.report.laws[law].status = Status::Pruned { results };
+    for (law, status) in pruned {
+        registry.report.laws[law].status = status;
     }
 }

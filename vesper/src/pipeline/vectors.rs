@@ -21,13 +21,16 @@ pub(crate) struct StateProperty<P: Scalar> {
     pub(crate) places: Vec<Located<P>>,
 }
 
+/// The shares of one seat: an array for each slot that it writes.
+pub(crate) type Held<P> = (usize, Vec<(usize, Aligned<P>)>);
+
 /// The vectors of a pipeline.
 pub(crate) struct Vectors<P: Scalar> {
     pub(crate) states: Vec<StateProperty<P>>,
     /// Rates first, then the integrator's own; each has one array for each component.
     pub(crate) registers: Vec<Vec<Aligned<P>>>,
     /// Shares that are held between steps, for each seat that has any: one array for each slot it writes.
-    pub(crate) held: Vec<(usize, Vec<(usize, Aligned<P>)>)>,
+    pub(crate) held: Vec<Held<P>>,
     /// Whether the shares have been computed since the pipeline was made.
     pub(crate) filled: Vec<bool>,
 }
@@ -93,7 +96,7 @@ impl<P: Scalar> Vectors<P> {
 }
 
 /// Memory for the shares of laws that are not evaluated on every step.
-fn held<P: Scalar>(pipeline: &Pipeline<P>, state: &State<P>) -> Vec<(usize, Vec<(usize, Aligned<P>)>)> {
+fn held<P: Scalar>(pipeline: &Pipeline<P>, state: &State<P>) -> Vec<Held<P>> {
     let mut held = Vec::new();
     for (index, seat) in pipeline.registry.seats.iter().enumerate() {
         let entry = &pipeline.entries[seat.law];

@@ -63,7 +63,7 @@ macro_rules! lanes {
             }
         }
 
-        // SAFETY (of every block in these operators): a value of this type exists only inside `with_lanes`, that is
+        // About the safety of every block in these operators: a value of this type exists only inside `with_lanes`, that is
         // after the processor was asked for the instructions; they have no other condition.
         impl Add for $name {
             type Output = Self;
@@ -121,10 +121,10 @@ macro_rules! lanes {
             type Output = Self;
             #[inline(always)]
             fn bitand(self, other: Self) -> Self {
-                // SAFETY: see above.
                 $mask(core::array::from_fn(|i| {
                     let ($a, $b) = (self.0[i], other.0[i]);
-                    #[allow(unused_unsafe)]
+                    #[allow(unused_unsafe, reason = "mask registers are combined by safe operators")]
+                    // SAFETY: see above.
                     unsafe {
                         $and
                     }
@@ -135,10 +135,10 @@ macro_rules! lanes {
             type Output = Self;
             #[inline(always)]
             fn bitor(self, other: Self) -> Self {
-                // SAFETY: see above.
                 $mask(core::array::from_fn(|i| {
                     let ($a, $b) = (self.0[i], other.0[i]);
-                    #[allow(unused_unsafe)]
+                    #[allow(unused_unsafe, reason = "mask registers are combined by safe operators")]
+                    // SAFETY: see above.
                     unsafe {
                         $or
                     }
@@ -149,10 +149,10 @@ macro_rules! lanes {
             type Output = Self;
             #[inline(always)]
             fn not(self) -> Self {
-                // SAFETY: see above.
                 $mask(core::array::from_fn(|i| {
                     let $a = self.0[i];
-                    #[allow(unused_unsafe)]
+                    #[allow(unused_unsafe, reason = "mask registers are combined by safe operators")]
+                    // SAFETY: see above.
                     unsafe {
                         $not
                     }
@@ -219,9 +219,9 @@ macro_rules! lanes {
             }
             #[inline(always)]
             fn select(mask: $mask, yes: Self, no: Self) -> Self {
-                // SAFETY: see above.
                 $name(core::array::from_fn(|i| {
                     let ($m, $a, $b) = (mask.0[i], yes.0[i], no.0[i]);
+                    // SAFETY: see above.
                     unsafe { $select }
                 }))
             }

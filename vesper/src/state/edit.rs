@@ -210,7 +210,12 @@ impl<P: Scalar> State<P> {
     /// The value does not fit the property.
     pub fn set_constant(&mut self, property: impl AsProperty, value: impl Into<Values>) -> Result<(), Faults> {
         let info = property.info();
-        let column = Given { info, unit: None, subset: None, values: GivenValues::Numbers(value.into()) };
+        let column = Given {
+            info,
+            unit: None,
+            subset: None,
+            values: GivenValues::Numbers(value.into().as_one(info.kind.width())),
+        };
         let mut scene = Domain::new(Self::scene_name());
         scene.columns.push(column);
         let parsed = State::new([scene], [])?;
