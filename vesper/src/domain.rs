@@ -4,7 +4,7 @@
 //! against. Never: a check: everything wrong is found at once, when the state is made.
 
 use crate::column::{Lent, LentMemory, Values};
-use crate::property::{Kind, Property, PropertyInfo, intern};
+use crate::property::{Property, PropertyInfo, intern};
 use crate::real::Scalar;
 use std::sync::Arc;
 
@@ -43,7 +43,7 @@ pub(crate) struct Given<P: Scalar> {
 pub(crate) enum GivenValues<P: Scalar> {
     Numbers(Values),
     Lent(Arc<dyn LentMemory<P>>),
-    Links { target: String, rows: Vec<u32> },
+    Links { target: String, arity: usize, rows: Vec<u32> },
 }
 
 /// A set of rows and their columns, as the client gives them.
@@ -115,12 +115,8 @@ impl<P: Scalar> Domain<P> {
         target: &str,
         rows: impl IntoIterator<Item = [u32; N]>,
     ) -> Self {
-        let info = PropertyInfo { kind: Kind::Link(N), ..property.info() };
-        let declared = property.info();
         let rows: Vec<u32> = rows.into_iter().flatten().collect();
-        // A wrong arity shows as a wrong kind when the state is made, because the two kinds are kept.
-        let info = if declared.kind == info.kind { declared } else { info };
-        self.column(info, None, None, GivenValues::Links { target: target.to_owned(), rows })
+        self.column(property.info(), None, None, GivenValues::Links { target: target.to_owned(), arity: N, rows })
     }
 
     /// A column of a scene file: any unit, any subset.
@@ -133,6 +129,14 @@ impl<P: Scalar> Domain<P> {
         values: Values,
     ) -> Self {
         self.column(property, unit.map(intern), subset, GivenValues::Numbers(values))
+    }
+
+    /// A link of a scene file, whose arity is known at run time: for every row, as many rows of the domain `target` as
+    /// the property's kind says, one after the other.
+    #[must_use]
+    pub fn with_link(self, property: PropertyInfo, target: &str, rows: Vec<u32>) -> Self {
+        let arity = property.kind.width();
+        self.column(property, None, None, GivenValues::Links { target: target.to_owned(), arity, rows })
     }
 
     fn column(

@@ -69,9 +69,11 @@ pub enum Fault {
         "{domain}.{property} is given in {given}, but it is measured in {expected}: give it in a unit of that dimension"
     )]
     Dimension { domain: String, property: String, given: String, expected: String },
-    #[error("{domain}.{property} is a {expected}, but the values given are {given}: give {width} numbers per row")]
-    Kind { domain: String, property: String, expected: String, given: String, width: usize },
-    #[error("property {property} is declared as {one} by {one_by} and as {other} by {other_by}: rename one of them")]
+    #[error("{domain}.{property} is a {expected}, but it is given as {given}: give {mend}")]
+    Kind { domain: String, property: String, expected: String, given: String, mend: String },
+    #[error(
+        "property {property} is declared as {one} by {one_by} and as {other} by {other_by}: declare it alike, or rename one of them"
+    )]
     Declared { property: String, one: String, one_by: String, other: String, other_by: String },
     #[error(
         "{domain}.{property} has {given} rows, but domain {domain} has {expected} (from {expected_by}): give one value per row"
@@ -85,25 +87,46 @@ pub enum Fault {
         "{domain}.{property}: row {row} links to row {target_row} of {target}, which has {rows} rows (0 to {rows} exclusive)"
     )]
     LinkRange { domain: String, property: String, row: usize, target: String, target_row: u32, rows: usize },
-    #[error("{domain}.{property} links to domain {target}, which does not exist{}", hint(nearest))]
+    #[error("{domain}.{property} links to domain {target}, which does not exist{}", hint(nearest, "add the domain"))]
     LinkTarget { domain: String, property: String, target: String, nearest: Option<String> },
     #[error("{domain}.{property}: row {row} is {value}: give a finite number")]
     NotFinite { domain: String, property: String, row: usize, value: f64 },
+    #[error(
+        "{domain}.{property}: row {row} is {value}, which is beyond {precision}: take f64, or a property with a larger unit"
+    )]
+    OutOfPrecision { domain: String, property: String, row: usize, value: f64, precision: String },
+    #[error("domain {domain} has {rows} rows: at most 4294967295 can be numbered")]
+    TooManyRows { domain: String, rows: usize },
+    #[error("domain scene has always one row, which holds the constants: {mend}")]
+    SceneRow { mend: String },
+    #[error("{domain}.{property} has a value for every row: give one for every new row, not for a subset of them")]
+    NewRowsSubset { domain: String, property: String },
+    #[error("{domain}.{property} links to {target}, but the new rows link to {given}: link them to {target}")]
+    NewRowsTarget { domain: String, property: String, target: String, given: String },
     #[error("{domain}.{property} is given twice: keep one")]
     ColumnTwice { domain: String, property: String },
     #[error("domain {domain} is given twice: keep one")]
     DomainTwice { domain: String },
     #[error("field {field} is given twice: keep one")]
     FieldTwice { field: String },
-    #[error("domain {domain} does not exist{}", hint(nearest))]
+    #[error("field {field} is declared as a {kind}, but a field gives vectors: declare the property as a vector")]
+    FieldKind { field: String, kind: String },
+    #[error("domain {domain} does not exist{}", hint(nearest, "add it to the builder"))]
     NoDomain { domain: String, nearest: Option<String> },
-    #[error("{domain} has no property {property}{}", hint(nearest))]
+    #[error(
+        "{domain} has no property {property}{}",
+        hint(nearest, "give it as a column, or observe it where a law computes it")
+    )]
     NoProperty { domain: String, property: String, nearest: Option<String> },
-    #[error("{domain} has no row {row}: it has {rows}")]
+    #[error("{domain} has no row {row}: it has {rows} rows, counted from 0")]
     NoRow { domain: String, row: usize, rows: usize },
-    #[error("no law {law}{}", hint(nearest))]
+    #[error("{domain}.{property} has no value for row {row}: only {given} of {rows} rows have one")]
+    NoValue { domain: String, property: String, row: usize, given: usize, rows: usize },
+    #[error("the new rows of {domain} lack {property}, which all rows have: give it for them too")]
+    NewRowsLack { domain: String, property: String },
+    #[error("no law {law}{}", hint(nearest, "list it in the builder"))]
     NoLaw { law: String, nearest: Option<String> },
-    #[error("{law} stands on domain {domain}, which does not exist{}", hint(nearest))]
+    #[error("{law} stands on domain {domain}, which does not exist{}", hint(nearest, "add the domain"))]
     LawDomain { law: String, domain: String, nearest: Option<String> },
     #[error("{law} can stand on {}: say on which, `.on(\"{}\")`", domains.join(" or "), domains[0])]
     WhichDomain { law: String, domains: Vec<String> },
@@ -114,7 +137,7 @@ pub enum Fault {
     #[error("{law} and {other} both give the rate of {property}: keep one")]
     TwoRates { law: String, other: String, property: String },
     #[error(
-        "{law} gives the rate of {property}, which {other} {does}: a state belongs to the integrator, so no law sets or adds to it"
+        "{law} gives the rate of {property}, which {other} {does}: a state belongs to the integrator, so keep one of the two laws"
     )]
     RateOfComputed { law: String, property: String, other: String, does: String },
     #[error("{law} adds to {property}, which is no sum: declare the property with `sum`, or set it")]
@@ -127,14 +150,20 @@ pub enum Fault {
     SetOnSubset { law: String, property: String, subset: String, given: usize, rows: usize },
     #[error("{law} {does} {property}, but it is a {shape} law: {allowed}")]
     Shape { law: String, does: String, property: String, shape: String, allowed: String },
-    #[error("the laws close a circle: {}", path.join(", "))]
+    #[error("the laws close a circle: {}: let one of them read the value before, `reads(previous ...)`", path.join(", "))]
     Cycle { path: Vec<String> },
     #[error("{law} must run, but is dormant: {reason}")]
     Dormant { law: String, reason: String },
     #[error("{law} stands on domain {domain}, which has no rows: add rows, or take the law away")]
     EmptyDomain { law: String, domain: String },
-    #[error("{law} reads {subset}, whose rows other columns of the law lack: {detail}")]
-    Subset { law: String, subset: String, detail: String },
+    #[error("{law} cannot use {subset}, which only {given} of {rows} rows have: {mend}")]
+    Subset { law: String, subset: String, given: usize, rows: usize, mend: String },
+    #[error(
+        "{sum} starts from {start}, which only {given} of {rows} rows have: give all rows a value, 0 where there is none"
+    )]
+    SubsetStart { sum: String, start: String, given: usize, rows: usize },
+    #[error("{law} touches {numbers} numbers of a row: 64 are possible, split it into several laws")]
+    TooWide { law: String, numbers: usize },
     #[error("{law} is evaluated every {every} steps: the number is at least 1")]
     Every { law: String, every: u32 },
     #[error(
@@ -165,8 +194,13 @@ pub enum Fault {
     Checkpoint { reason: String },
 }
 
-fn hint(nearest: &Option<String>) -> String {
-    nearest.as_ref().map_or_else(String::new, |name| format!("; did you mean {name}?"))
+fn hint(nearest: &Option<String>, otherwise: &str) -> String {
+    nearest.as_ref().map_or_else(|| format!(": {otherwise}"), |name| format!("; did you mean {name}?"))
+}
+
+/// "1 number per row"
+pub(crate) fn per_row(numbers: usize) -> String {
+    if numbers == 1 { "1 number per row".to_owned() } else { format!("{numbers} numbers per row") }
 }
 
 /// The name in `known` nearest to `name`, where one is near enough to be a slip of the pen.

@@ -4,8 +4,7 @@ use crate::law::{Mode, Part, Sink, Source};
 use crate::real::{Lanes, Real};
 use core::marker::PhantomData;
 
-/// Components that one law may touch.
-pub(crate) const MAX_SLOTS: usize = 64;
+pub(crate) use crate::law::MAX_SLOTS;
 
 /// The ports that the wanted rates depend on, one bit each; all ports for a law without rates.
 pub(crate) const fn wants(ports: &[crate::law::Port], part: Part) -> u64 {

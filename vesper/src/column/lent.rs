@@ -31,7 +31,14 @@ pub enum Memory<P, const N: usize> {
     /// A vector that moved in; rows can be added and removed.
     Vector(Vec<[P; N]>),
     /// Memory of somebody else; its rows are fixed.
-    Raw(NonNull<[P; N]>, usize),
+    Raw(RawRows<P, N>),
+}
+
+/// Rows in memory of somebody else; only [`Lent::from_raw`] makes them.
+#[derive(Debug)]
+pub struct RawRows<P, const N: usize> {
+    start: NonNull<[P; N]>,
+    rows: usize,
 }
 
 // SAFETY: whoever made a `Raw` promised that nobody else touches the memory while a guard is out.
@@ -45,7 +52,7 @@ impl<P, const N: usize> core::ops::Deref for Memory<P, N> {
         match self {
             Memory::Vector(rows) => rows,
             // SAFETY: `from_raw` was promised this many readable rows.
-            Memory::Raw(start, rows) => unsafe { core::slice::from_raw_parts(start.as_ptr(), *rows) },
+            Memory::Raw(raw) => unsafe { core::slice::from_raw_parts(raw.start.as_ptr(), raw.rows) },
         }
     }
 }
@@ -55,7 +62,7 @@ impl<P, const N: usize> core::ops::DerefMut for Memory<P, N> {
         match self {
             Memory::Vector(rows) => rows,
             // SAFETY: `from_raw` was promised this many writable rows.
-            Memory::Raw(start, rows) => unsafe { core::slice::from_raw_parts_mut(start.as_ptr(), *rows) },
+            Memory::Raw(raw) => unsafe { core::slice::from_raw_parts_mut(raw.start.as_ptr(), raw.rows) },
         }
     }
 }
@@ -69,10 +76,10 @@ impl<P, const N: usize> Lent<P, N> {
     /// Lends memory that somebody else owns.
     ///
     /// # Safety
-    /// `start` points to `rows` rows of `N` numbers, which stay valid while this handle or a clone of it lives, and
-    /// which nobody touches while the engine advances or a guard is out.
+    /// `start` points to `rows` rows of `N` numbers, which stay valid while this handle, a clone of it, or a handle that
+    /// the memory is swapped into lives, and which nobody touches while the engine advances or a guard is out.
     pub unsafe fn from_raw(start: NonNull<[P; N]>, rows: usize) -> Self {
-        Lent(Arc::new(RwLock::new(Memory::Raw(start, rows))))
+        Lent(Arc::new(RwLock::new(Memory::Raw(RawRows { start, rows }))))
     }
 
     /// The values, to look at. While the guard lives the engine answers [`Fault::Borrowed`].
@@ -96,6 +103,12 @@ pub(crate) trait LentMemory<P>: Send + Sync + core::fmt::Debug {
     fn extend(&self, numbers: &[P]) -> Result<(), &'static str>;
     /// Keeps the rows that `keep` says, if the memory can shrink.
     fn retain(&self, keep: &[bool]) -> Result<(), &'static str>;
+    /// Why rows cannot be added or removed: `None` inside where the client has a guard out.
+    fn fixed(&self) -> Result<(), Option<&'static str>>;
+    /// Whether the client has a guard out that keeps others from looking, or from changing.
+    fn busy(&self, change: bool) -> bool;
+    /// Where the memory is known: the same for all columns that it is lent to.
+    fn identity(&self) -> *const ();
     fn get(&self, row: usize, component: usize) -> P;
     fn set(&self, row: usize, component: usize, value: P);
 }
@@ -137,6 +150,23 @@ impl<P: Scalar, const N: usize> LentMemory<P> for Lent<P, N> {
             }
             Memory::Raw(..) => Err(FIXED),
         }
+    }
+    fn fixed(&self) -> Result<(), Option<&'static str>> {
+        match self.0.try_write() {
+            Err(TryLockError::WouldBlock) => Err(None),
+            Ok(memory) if matches!(*memory, Memory::Raw(..)) => Err(Some(FIXED)),
+            Ok(_) | Err(TryLockError::Poisoned(_)) => Ok(()),
+        }
+    }
+    fn busy(&self, change: bool) -> bool {
+        if change {
+            matches!(self.0.try_write(), Err(TryLockError::WouldBlock))
+        } else {
+            matches!(self.0.try_read(), Err(TryLockError::WouldBlock))
+        }
+    }
+    fn identity(&self) -> *const () {
+        Arc::as_ptr(&self.0).cast()
     }
     fn get(&self, row: usize, component: usize) -> P {
         self.read()[row][component]

@@ -10,7 +10,7 @@ mod values;
 
 pub(crate) use aligned::Aligned;
 pub(crate) use lent::LentMemory;
-pub use lent::{Lent, Memory};
+pub use lent::{Lent, Memory, RawRows};
 pub use values::Values;
 
 use crate::error::Fault;
@@ -74,6 +74,11 @@ impl<P: Scalar> Column<P> {
         self.subset.as_deref()
     }
 
+    /// The rows that have a value, where not all of `rows` have.
+    pub(crate) fn part_of(&self, rows: usize) -> Option<&[u32]> {
+        self.subset().filter(|subset| subset.len() != rows)
+    }
+
     /// How many values there are.
     pub fn len(&self) -> usize {
         match &self.storage {
@@ -92,14 +97,6 @@ impl<P: Scalar> Column<P> {
     pub fn components(&self) -> Option<Vec<&[P]>> {
         match &self.storage {
             Storage::Split(components) => Some(components.iter().map(Aligned::as_slice).collect()),
-            Storage::Lent(_) | Storage::Link { .. } => None,
-        }
-    }
-
-    /// The arrays of the components, to change.
-    pub fn components_mut(&mut self) -> Option<Vec<&mut [P]>> {
-        match &mut self.storage {
-            Storage::Split(components) => Some(components.iter_mut().map(Aligned::as_mut_slice).collect()),
             Storage::Lent(_) | Storage::Link { .. } => None,
         }
     }
@@ -127,6 +124,25 @@ impl<P: Scalar> Column<P> {
             Storage::Lent(memory) => memory.set(index, component, value),
             Storage::Link { .. } => {}
         }
+    }
+
+    /// A fault where the client has a guard out that keeps others from looking, or from changing.
+    pub(crate) fn free(&self, domain: &str, change: bool) -> Result<(), Fault> {
+        match &self.storage {
+            Storage::Lent(memory) if memory.busy(change) => {
+                Err(Fault::Borrowed { domain: domain.to_owned(), property: self.info.name.to_owned() })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// A fault where rows cannot be added or removed: `cannot` is "grow" or "shrink".
+    pub(crate) fn resizable(&self, domain: &str, cannot: &str) -> Result<(), Fault> {
+        let Storage::Lent(memory) = &self.storage else { return Ok(()) };
+        memory.fixed().map_err(|why| match why {
+            Some(why) => Fault::client_memory(domain, self.info.name, cannot, why),
+            None => Fault::Borrowed { domain: domain.to_owned(), property: self.info.name.to_owned() },
+        })
     }
 
     /// Where the value of `row` is, if the row has one.
@@ -195,6 +211,27 @@ impl<P: Scalar> Column<P> {
             *subset = subset.iter().filter_map(|&row| moved[row as usize]).collect();
         }
         Ok(())
+    }
+}
+
+/// A column of a state, to change in place: its numbers, not its rows.
+#[derive(Debug)]
+pub struct ColumnMut<'a, P: Scalar>(pub(crate) &'a mut Column<P>);
+
+impl<P: Scalar> core::ops::Deref for ColumnMut<'_, P> {
+    type Target = Column<P>;
+    fn deref(&self) -> &Column<P> {
+        self.0
+    }
+}
+
+impl<'a, P: Scalar> ColumnMut<'a, P> {
+    /// The arrays of the components (x, y, z), where the column is owned and holds numbers.
+    pub fn components_mut(self) -> Option<Vec<&'a mut [P]>> {
+        match &mut self.0.storage {
+            Storage::Split(components) => Some(components.iter_mut().map(Aligned::as_mut_slice).collect()),
+            Storage::Lent(_) | Storage::Link { .. } => None,
+        }
     }
 }
 

@@ -3,9 +3,9 @@
 //! In: a builder's domains, fields, laws, integrator, observers. Out: [`Engine`], which advances a state by frames.
 //! Never: a law of physics, a file, a clock.
 
+mod blow_up;
 mod build;
 mod checkpoint;
-mod finite;
 
 pub use build::{Builder, Listing, Place, Placed};
 pub use checkpoint::{Checkpoint, ColumnData, DomainData};
@@ -14,7 +14,7 @@ use crate::error::{Fault, Faults, nearest};
 use crate::integrate::{Integrator, System};
 use crate::pipeline::{FusedChain, Key, Listed, Machine, Pipeline, Probe, Runner, borrowed, lent_columns};
 use crate::real::Scalar;
-use crate::registry::{Report, Status};
+use crate::registry::{Backend, Report, Status};
 use crate::state::State;
 use std::sync::Arc;
 
@@ -40,6 +40,8 @@ pub struct Engine<P: Scalar> {
     touched: bool,
     /// A law was switched.
     stale: bool,
+    /// The state as it was, where blow-ups are traced.
+    kept: Option<blow_up::Kept<P>>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -111,6 +113,15 @@ impl<P: Scalar> Engine<P> {
 
     fn run(&mut self, count: u64, step: f64) -> Result<(), Faults> {
         self.prepare()?;
+        if self.kept.is_none() {
+            return self.take(count, step);
+        }
+        self.keep();
+        let first = self.steps;
+        self.take(count, step).map_err(|faults| self.trace(faults, first, step))
+    }
+
+    fn take(&mut self, count: u64, step: f64) -> Result<(), Faults> {
         if self.clock.step != step {
             self.clock = Clock { time: self.time(), since: self.steps, step };
         }
@@ -146,7 +157,7 @@ impl<P: Scalar> Engine<P> {
         }
         self.steps = steps;
         self.evaluations += evaluations;
-        finite::check(&self.pipeline, &self.state, self.steps, self.time())
+        blow_up::check(&self.pipeline, &self.state, self.steps, self.time())
     }
 
     /// Follows what the client changed since the last step.
@@ -275,6 +286,22 @@ impl<P: Scalar> Engine<P> {
     /// Watches how long laws take.
     pub fn set_probe(&mut self, probe: Option<Arc<dyn Probe>>) {
         self.machine.probe = probe;
+    }
+
+    /// Traces numbers that become infinite or NaN to the step and to the first law that gave one, and leaves the state
+    /// as it was before that step. Costs a copy of the state per call of [`Engine::advance`].
+    pub fn trace_blow_ups(&mut self, on: bool) {
+        self.kept = on.then(Vec::new);
+    }
+
+    /// Where each law of the list runs, in the order of the list; `None` where it does not run.
+    pub fn backends(&self) -> Vec<Option<Backend>> {
+        let backend = |law| match self.pipeline.threads(law) {
+            0 => None,
+            1 => Some(Backend::Cpu),
+            _ => Some(Backend::Parallel),
+        };
+        (0..self.laws.len()).map(backend).collect()
     }
 
     /// What the graph looks like, for people.

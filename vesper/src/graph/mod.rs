@@ -11,7 +11,7 @@ mod cycle;
 
 use crate::law::{Mode, Part, Place, Shape, Signature};
 use crate::property::Role;
-use crate::registry::{Entry, QuantityId, Registry, Seat, Tie, computes};
+use crate::registry::{Entry, QuantityId, Registry, Seat, Tie, computes, start_of};
 
 use crate::error::{Fault, Faults};
 use crate::real::Scalar;
@@ -136,15 +136,6 @@ pub(crate) fn outputs<'a>(signature: &'a Signature, seat: &'a Seat) -> impl Iter
     })
 }
 
-/// The quantity that a sum starts from, where the domain has it.
-pub(crate) fn start_of(sum: QuantityId, registry: &Registry) -> Option<QuantityId> {
-    let quantity = &registry.quantities[sum];
-    match quantity.info.role {
-        Role::Sum { start: Some(start) } => registry.find(quantity.domain, start),
-        _ => None,
-    }
-}
-
 fn edges<P: Scalar>(entries: &[Entry], registry: &Registry, _state: &State<P>) -> Vec<Edge> {
     // Every access of every quantity: (seat, mode). A sum's start is read by whoever adds to or reads the sum.
     let mut accesses: Vec<Vec<(usize, Mode)>> = vec![Vec::new(); registry.quantities.len()];
@@ -177,7 +168,8 @@ fn edges<P: Scalar>(entries: &[Entry], registry: &Registry, _state: &State<P>) -
                     _ => false,
                 };
                 let edge = Edge { from, to, quantity, from_mode, to_mode };
-                if before && from != to && !edges.contains(&edge) {
+                // A law that waits for itself closes a circle; only its own previous value is another one.
+                if before && (from != to || from_mode != Mode::Previous) && !edges.contains(&edge) {
                     edges.push(edge);
                 }
             }

@@ -22,6 +22,9 @@ pub use signature::{Mode, Parameter, Part, Place, Port, Shape, Signature};
 
 use crate::real::Real;
 
+/// Numbers of a row that one law may touch.
+pub(crate) const MAX_SLOTS: usize = 64;
+
 /// A law of physics. Implemented by `#[derive(Law)]`; the body is one of the four shapes, under `#[kernel]`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a law",

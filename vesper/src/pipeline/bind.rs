@@ -74,7 +74,7 @@ pub(crate) struct Program<P: Scalar> {
 /// A pass, and on which steps it runs.
 pub(crate) struct BoundPass<P: Scalar> {
     pub(crate) every: u32,
-    /// The number of the held shares that this pass fills.
+    /// The number of the held shares that this pass fills, or empties first.
     pub(crate) fills: Option<usize>,
     pub(crate) pass: Pass<P>,
     /// The laws that run in it, for `explain`.
@@ -199,7 +199,9 @@ impl<P: Scalar> Binder<'_, P> {
             })
             .collect();
         let fills = match first.op {
-            Op::Law { seat, .. } => self.pipeline.vectors.held.iter().position(|(held, _)| *held == seat),
+            Op::Law { seat, .. } | Op::Release { seat } => {
+                self.pipeline.vectors.held.iter().position(|(held, _)| *held == seat)
+            }
             _ => None,
         };
         let pass = match first.op {

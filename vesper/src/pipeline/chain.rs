@@ -246,7 +246,11 @@ impl<P: Scalar> FusedChain<P> {
                 _ => {}
             }
         }
-        Some(operands)
+        // A value that no stage wants has no place to be loaded from.
+        let missing = |(register, (operand, _)): (usize, &(Operand, bool))| {
+            *operand == Operand::Absent && matches!(self.layout.kinds[register], Register::Given | Register::Constant)
+        };
+        (!operands.iter().enumerate().any(missing)).then_some(operands)
     }
 
     /// # Safety
@@ -321,7 +325,8 @@ impl<P: Scalar, T: Chained, const DRIFT: bool> Loop<'_, P, T, DRIFT> {
         };
         each_register!(|register| if register < layout.count {
             file.values[register] = load(register);
-            file.present |= u64::from(!self.pointers[register].is_null()) << register;
+            let computed = matches!(layout.kinds[register], Register::Sum | Register::Set);
+            file.present |= u64::from(computed || !self.pointers[register].is_null()) << register;
         });
         T::steps::<T, R, Kick>(bodies, &mut file);
         each_register!(|register| if layout.kicked[register] {

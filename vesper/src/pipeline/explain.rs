@@ -63,6 +63,18 @@ impl<P: Scalar> Pipeline<P> {
         text
     }
 
+    /// The most threads that a pass of this law uses; 0 where none runs.
+    pub(crate) fn threads(&self, law: usize) -> usize {
+        let passes = self.programs.iter().flat_map(|program| &program.passes).filter(|pass| pass.laws.contains(&law));
+        let threads = passes.map(|pass| match &pass.pass {
+            Pass::Group(group) => group.threads(),
+            Pass::Pair(pair) => pair.threads,
+            Pass::Link(link) => link.threads,
+            Pass::Column(_) | Pass::Axpy { .. } | Pass::Release(_) | Pass::Hold(_) => 1,
+        });
+        threads.max().unwrap_or(0)
+    }
+
     fn described(&self, seat: &Seat, state: &State<P>) -> String {
         let entry = &self.entries[seat.law];
         let all = state.domains[seat.domain].rows;

@@ -8,6 +8,7 @@ use crate::backend::{BLOCK, Kernel, RowCall};
 use crate::column::Aligned;
 use crate::law::Part;
 use crate::real::Scalar;
+use crate::registry::Backend;
 use core::ops::Range;
 
 /// Where a component is during a block.
@@ -112,8 +113,11 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
                 self.op(op);
             }
         }
-        let threads = threads(ops[0].backend, self.rows, super::bind::PARALLEL_ROWS, self.binder.machine)
-            .min(self.rows.div_ceil(BLOCK));
+        // An energy is one sum over all rows, in their order.
+        let energy = ops.iter().any(|op| matches!(op.op, Op::Law { energy: true, .. }));
+        let backend = if energy { Backend::Cpu } else { ops[0].backend };
+        let threads =
+            threads(backend, self.rows, super::bind::PARALLEL_ROWS, self.binder.machine).min(self.rows.div_ceil(BLOCK));
         let desks = (0..threads.max(1))
             .map(|_| {
                 let mut scratch = Aligned::zeros(self.scratches.len() * BLOCK, 0);
@@ -260,6 +264,10 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
         };
         let (momenta, coordinates) = (stage(Part::Momenta), stage(Part::Coordinates));
         momenta?;
+        // A state that another law of its stage looks at advances after the stage, by rates that the loop keeps nowhere.
+        if ops.iter().flat_map(|op| &op.operands).any(|operand| matches!(operand, Operand::Rate(..))) {
+            return None;
+        }
         let listed = laws(Part::Momenta);
         self.binder.chains.iter().enumerate().find_map(|(number, chain)| {
             let same = chain.laws_in_order() == listed
@@ -398,6 +406,8 @@ impl<P: Scalar> Body<'_, P> {
                     // SAFETY: passed on to the caller.
                     unsafe { kernel.run(context.isa, &call) };
                 });
+                let first = || slots.start + super::run::first_result(context, *law);
+                context.watch(*law, || pointers[first()..slots.end].iter().map(|start| (*start, 1, rows)));
             }
             BlockOp::Fused { chain, slots, momenta, coordinates } => {
                 let chain = &context.chains[*chain];

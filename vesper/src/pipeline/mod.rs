@@ -20,7 +20,7 @@ pub(crate) use bind::{Program, program};
 pub(crate) use chain::FusedChain;
 pub use chain::{Chain, ChainPart, Chained, Layout, List, Registers};
 pub(crate) use plan::Key;
-pub(crate) use run::Runner;
+pub(crate) use run::{Runner, Watch};
 pub(crate) use vectors::{Vectors, lent_columns};
 
 use crate::backend::Compiled;
@@ -90,13 +90,17 @@ impl<P: Scalar> Pipeline<P> {
         machine: &Machine,
     ) -> Result<Self, Faults> {
         let entries: Vec<Entry> = laws.iter().map(|law| law.entry.clone()).collect();
-        let mut registry = Registry::new(&entries, state, strict)?;
+        let mut registry = Registry::new(&entries, state, observe, strict)?;
         let graph = Graph::new(&entries, &registry, state)?;
-        let mut faults = Vec::new();
-        let observed = crate::registry::observed(observe, &registry, state, &mut faults);
+        let at = |(domain, property): &(String, String)| registry.find(state.domain_index(domain)?, property);
+        let observed: Vec<QuantityId> = observe.iter().filter_map(at).collect();
         let structure = structure(&entries, &registry, &graph, state);
-        faults.extend(integrator.accept(&structure).err());
-        Faults::unless_empty(faults, ())?;
+        integrator.accept(&structure)?;
+        // Results of laws that no longer run must not be taken for results.
+        for (index, domain) in state.domains.iter_mut().enumerate() {
+            domain.columns.retain(|column| column.given || registry.find(index, column.info.name).is_some());
+        }
+        state.changed_layout();
         plan::prune(&entries, &mut registry, &graph, &observed, state);
         let mut pipeline = Pipeline {
             entries,

@@ -2,10 +2,10 @@
 
 use super::Pipeline;
 use crate::column::Column;
-use crate::graph::{Graph, start_of, wanted_inputs};
+use crate::graph::{Graph, wanted_inputs};
 use crate::law::{Mode, Part, Place, Shape};
 use crate::real::Scalar;
-use crate::registry::{Backend, Entry, QuantityId, Registry, Seat, Status, Tie, computes};
+use crate::registry::{Backend, Entry, QuantityId, Registry, Seat, Status, Tie, computes, start_of};
 use crate::state::State;
 
 /// What can be asked of a pipeline.

@@ -10,7 +10,7 @@ use crate::law::{ColumnAccess, Part, PortView};
 use crate::property::{Property, PropertyInfo, Time};
 use crate::real::{Isa, Scalar};
 use crate::state::State;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// What every pass of a run shares.
 pub(crate) struct Context<'a, P: Scalar> {
@@ -22,9 +22,34 @@ pub(crate) struct Context<'a, P: Scalar> {
     pub(crate) machine: &'a Machine,
     pub(crate) time: P,
     pub(crate) steps: [P; 2],
+    /// Notes the first law with a result that is not finite.
+    pub(crate) watch: Option<Arc<Watch>>,
+}
+
+/// The first law, of those that ran, with a result that is not finite.
+#[derive(Debug, Default)]
+pub(crate) struct Watch(OnceLock<usize>);
+
+impl Watch {
+    pub(crate) fn law(&self) -> Option<usize> {
+        self.0.get().copied()
+    }
 }
 
 impl<P: Scalar> Context<'_, P> {
+    /// Notes the law, if it is the first whose results are not finite. `results` gives start, stride and count of each.
+    pub(crate) fn watch<I: Iterator<Item = (*mut P, usize, usize)>>(&self, law: usize, results: impl FnOnce() -> I) {
+        let Some(watch) = &self.watch else { return };
+        let finite = |(start, stride, count): (*mut P, usize, usize)| {
+            // SAFETY: the law has just written these numbers; a part that is not wanted has no place.
+            start.is_null() || (0..count).all(|row| unsafe { (*start.add(row * stride)).is_finite() })
+        };
+        if !results().all(finite) {
+            // Another law may have been first; then that one stays.
+            let _ = watch.0.set(law);
+        }
+    }
+
     /// Runs a law, and tells the probe, where there is one.
     pub(crate) fn timed(&self, law: usize, run: impl FnOnce()) {
         match &self.machine.probe {
@@ -128,6 +153,7 @@ impl<'a, P: Scalar> Runner<'a, P> {
             machine,
             time: P::from_f64(time),
             steps: [P::default(); 2],
+            watch: None,
         };
         let clock = super::bind::locate_column(state, 0, Time::NAME, 0).map(|place| place.base.resolve(lent));
         let mut runner = Runner { pipeline, context, clock, time, step, evaluations: 0 };
@@ -141,14 +167,10 @@ impl<'a, P: Scalar> Runner<'a, P> {
         let mut energy = 0.0;
         for pass in &mut programs[key.index()].passes {
             let fill = pass.every <= 1 || self.step.is_multiple_of(pass.every.into());
-            let due = match (pass.fills, &pass.pass) {
-                (Some(held), _) => fill || !vectors.filled[held],
-                (None, Pass::Release(_)) => fill || vectors.filled.iter().any(|filled| !filled),
-                (None, _) => true,
-            };
-            if due {
+            if pass.fills.is_none_or(|held| fill || !vectors.filled[held]) {
                 energy += run_pass(pass, &self.context);
-                if let Some(held) = pass.fills {
+                // Shares that were only emptied are filled by the law's own pass, which comes next.
+                if let (Some(held), false) = (pass.fills, matches!(pass.pass, Pass::Release(_))) {
                     vectors.filled[held] = true;
                 }
             }
@@ -296,6 +318,8 @@ fn run_pair<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 
             unsafe { kernel.run(context.isa, &call(rows)) };
         });
     });
+    let first = first_result(context, pass.law);
+    context.watch(pass.law, || pass.slots[first..].iter().map(|start| (*start, 1, pass.rows)));
     for transfer in pass.transfers.iter().filter(|transfer| transfer.save) {
         // SAFETY: as above.
         unsafe { transfer.store(context.lent, 0..pass.rows, pass.packed[transfer.scratch].pointer()) };
@@ -351,7 +375,16 @@ fn run_link<P: Scalar>(pass: &mut LinkPass<P>, context: &Context<'_, P>) -> f64 
             }
         });
     });
+    let first = first_result(context, pass.law);
+    let rows = ends.iter().max().map_or(0, |row| *row as usize + 1);
+    context.watch(pass.law, || pass.resolved[first..].iter().map(|slot| (slot.start, slot.stride, rows)));
     0.0
+}
+
+/// The first slot that a law writes: results follow what it reads.
+pub(super) fn first_result<P: Scalar>(context: &Context<'_, P>, law: usize) -> usize {
+    let ports = context.laws[law].compiled.signature.ports;
+    ports.iter().filter(|port| port.mode.is_input()).map(|port| port.property.kind.width()).sum()
 }
 
 fn run_columns<P: Scalar>(pass: &mut ColumnPass<P>, context: &Context<'_, P>) {
@@ -371,5 +404,10 @@ fn run_columns<P: Scalar>(pass: &mut ColumnPass<P>, context: &Context<'_, P>) {
     context.timed(pass.law, || {
         // SAFETY: as above.
         unsafe { kernel.run(&access) };
+    });
+    context.watch(pass.law, || {
+        let ports = context.laws[pass.law].compiled.signature.ports.iter().zip(&pass.views);
+        let results = ports.filter(|(port, _)| !port.mode.is_input());
+        results.flat_map(|(_, view)| view.components.map(|start| (start, view.stride, view.rows)))
     });
 }

@@ -47,6 +47,19 @@ pub enum Role {
     },
 }
 
+impl Role {
+    /// "a coordinate", "a sum": for messages.
+    pub(crate) fn word(&self) -> String {
+        match self {
+            Role::Plain => "without a role".to_owned(),
+            Role::Coordinate => "a coordinate".to_owned(),
+            Role::Momentum(of) => format!("which moves {of}"),
+            Role::Sum { start: None } => "a sum".to_owned(),
+            Role::Sum { start: Some(start) } => format!("a sum from {start}"),
+        }
+    }
+}
+
 /// A property as plain data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PropertyInfo {
@@ -104,6 +117,11 @@ impl PropertyInfo {
     #[must_use]
     pub const fn sum_from(self, start: &'static str) -> Self {
         PropertyInfo { role: Role::Sum { start: Some(start) }, ..self }
+    }
+
+    /// "vector \[m\]", or "link to 2 rows" for what has no unit.
+    pub(crate) fn measured(&self) -> String {
+        if self.unit.is_empty() { self.kind.to_string() } else { format!("{} [{}]", self.kind, self.unit) }
     }
 
     /// "position [m]", or "ends" for what has no unit.

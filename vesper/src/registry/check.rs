@@ -1,9 +1,9 @@
 //! What a list of laws may not say, alone, against the state, and together.
 
-use super::{Entry, Registry, Tie, computes, nearest_property};
+use super::{Entry, Registry, Tie, computes, nearest_property, start_of};
 use crate::error::Fault;
 use crate::law::{Mode, Place, Port, Shape};
-use crate::property::{PropertyInfo, Role};
+use crate::property::{Kind, PropertyInfo, Role};
 use crate::real::Scalar;
 use crate::state::State;
 
@@ -16,6 +16,10 @@ pub(super) fn entries(entries: &[Entry]) -> Vec<Fault> {
         if every == 0 {
             faults.push(Fault::Every { law: law(), every });
         }
+        let numbers = entry.signature.ports.iter().map(|port| port.property.kind.width()).sum();
+        if numbers > crate::law::MAX_SLOTS {
+            faults.push(Fault::TooWide { law: law(), numbers });
+        }
         for port in entry.signature.ports {
             let fault = |allowed: &str| Fault::Shape {
                 law: law(),
@@ -25,16 +29,16 @@ pub(super) fn entries(entries: &[Entry]) -> Vec<Fault> {
                 allowed: allowed.to_owned(),
             };
             match (entry.shape, port.mode) {
+                _ if matches!(port.property.kind, Kind::Link(_)) => {
+                    faults.push(fault("a link is followed by a link law or a column law, `link(..)`"));
+                }
                 (Shape::Pair | Shape::Link, Mode::Sets | Mode::Rates | Mode::Amends) => {
                     faults.push(fault("it may only add; write a row law or a column law"));
                 }
                 (Shape::Link, Mode::Adds) if port.place == Place::Own => {
                     faults.push(fault("it adds to the rows it links to, `link(.., adds(..))`"));
                 }
-                (Shape::Pair, _) if port.place == Place::Field => {
-                    faults.push(fault("fields are sampled by row laws"));
-                }
-                (Shape::Column | Shape::Link, _) if port.place == Place::Field => {
+                (Shape::Pair | Shape::Column | Shape::Link, _) if port.place == Place::Field => {
                     faults.push(fault("fields are sampled by row laws"));
                 }
                 _ => {}
@@ -46,6 +50,10 @@ pub(super) fn entries(entries: &[Entry]) -> Vec<Fault> {
                     does: port.mode.word().to_owned(),
                     property: port.property.name.to_owned(),
                 });
+            }
+            if port.place == Place::Field && port.property.kind != Kind::Vector {
+                let kind = port.property.kind.to_string();
+                faults.push(Fault::FieldKind { field: port.property.name.to_owned(), kind });
             }
             if port.mode == Mode::Adds && !matches!(port.property.role, Role::Sum { .. }) {
                 faults.push(Fault::AddToPlain { law: law(), property: port.property.name.to_owned() });
@@ -67,9 +75,17 @@ pub(super) fn entries(entries: &[Entry]) -> Vec<Fault> {
 /// One property must mean one thing: every declaration of a name agrees with every other, and with the columns.
 pub(super) fn declarations<P: Scalar>(entries: &[Entry], state: &State<P>, faults: &mut Vec<Fault>) {
     let mut known: Vec<(PropertyInfo, String)> = Vec::new();
-    let mut declare = |info: PropertyInfo, by: String| match known.iter().find(|(other, _)| other.name == info.name) {
+    // What a client gives need not say what integrators and adding laws make of it; laws must agree.
+    let mut declare = |info: PropertyInfo, by: String, law: bool| match known.iter().find(|(other, _)| other.name == info.name)
+    {
         None => known.push((info, by)),
-        Some((other, other_by)) if other.kind != info.kind || other.size != info.size => {
+        Some((other, other_by))
+            if other.kind != info.kind || other.size != info.size || law && other.role != info.role =>
+        {
+            let roles = law && other.role != info.role;
+            let said = |info: &PropertyInfo| {
+                if roles { format!("{}, {}", info.measured(), info.role.word()) } else { info.measured() }
+            };
             let fault = Fault::Declared {
                 property: info.name.to_owned(),
                 one: said(other),
@@ -85,29 +101,32 @@ pub(super) fn declarations<P: Scalar>(entries: &[Entry], state: &State<P>, fault
     };
     for entry in entries.iter().filter(|entry| entry.options.enabled) {
         for port in entry.signature.ports {
-            declare(port.property, format!("law {}", entry.signature.name));
+            declare(port.property, format!("law {}", entry.signature.name), true);
         }
         if let Some(link) = entry.signature.link {
-            declare(link, format!("law {}", entry.signature.name));
+            declare(link, format!("law {}", entry.signature.name), true);
         }
     }
     for domain in &state.domains {
         for column in &domain.columns {
-            declare(column.info, format!("domain {}", domain.name));
+            declare(column.info, format!("domain {}", domain.name), false);
         }
     }
     for (field, _) in &state.fields {
-        declare(*field, "the fields".to_owned());
+        declare(*field, "the fields".to_owned(), false);
     }
-}
-
-fn said(info: &PropertyInfo) -> String {
-    if info.unit.is_empty() { info.kind.to_string() } else { format!("{} [{}]", info.kind, info.unit) }
+    for (field, _) in state.fields.iter().filter(|(field, _)| field.kind != Kind::Vector) {
+        let fault = Fault::FieldKind { field: field.name.to_owned(), kind: field.kind.to_string() };
+        if !faults.contains(&fault) {
+            faults.push(fault);
+        }
+    }
 }
 
 /// Faults of seated laws together.
 pub(super) fn seats<P: Scalar>(entries: &[Entry], registry: &Registry, state: &State<P>, faults: &mut Vec<Fault>) {
     twice(entries, registry, state, faults);
+    starts(registry, state, faults);
     let outputs: Vec<(&str, &Port, usize)> = registry
         .seats
         .iter()
@@ -149,6 +168,23 @@ pub(super) fn seats<P: Scalar>(entries: &[Entry], registry: &Registry, state: &S
     }
 }
 
+/// Sums that start from values which only some rows have.
+fn starts<P: Scalar>(registry: &Registry, state: &State<P>, faults: &mut Vec<Fault>) {
+    for (id, sum) in registry.quantities.iter().enumerate() {
+        let Some(start) = start_of(id, registry) else { continue };
+        let domain = &state.domains[sum.domain];
+        let name = registry.quantities[start].info.name;
+        if let Some(rows) = domain.find(name).and_then(|at| domain.columns[at].part_of(domain.rows)) {
+            faults.push(Fault::SubsetStart {
+                sum: registry.name(id, state),
+                start: name.to_owned(),
+                given: rows.len(),
+                rows: domain.rows,
+            });
+        }
+    }
+}
+
 fn twice<P: Scalar>(entries: &[Entry], registry: &Registry, state: &State<P>, faults: &mut Vec<Fault>) {
     for (index, seat) in registry.seats.iter().enumerate() {
         let same = |other: &&super::Seat| {
@@ -165,22 +201,23 @@ fn twice<P: Scalar>(entries: &[Entry], registry: &Registry, state: &State<P>, fa
     }
 }
 
-/// The observed columns that exist or that a law computes; a fault for each other one.
-pub(crate) fn observed<P: Scalar>(
+/// A fault for each observed column that neither exists nor is computed by a law, were it awake.
+pub(super) fn observed<P: Scalar>(
     observe: &[(String, String)],
-    registry: &Registry,
+    entries: &[Entry],
     state: &State<P>,
     faults: &mut Vec<Fault>,
-) -> Vec<usize> {
-    let mut found = Vec::new();
+) {
+    let computed = |name: &str| {
+        let mut outputs = entries.iter().flat_map(|entry| entry.signature.ports).filter(|port| computes(port.mode));
+        outputs.any(|port| port.property.name == name)
+    };
     for (domain, property) in observe {
         let Some(at) = state.domain_index(domain) else {
             faults.push(state.no_domain(domain));
             continue;
         };
-        if let Some(id) = registry.find(at, property) {
-            found.push(id);
-        } else if state.domains[at].find(property).is_none() {
+        if state.domains[at].find(property).is_none() && !computed(property) {
             faults.push(Fault::NoProperty {
                 domain: domain.clone(),
                 property: property.clone(),
@@ -188,5 +225,4 @@ pub(crate) fn observed<P: Scalar>(
             });
         }
     }
-    found
 }

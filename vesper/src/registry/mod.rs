@@ -7,8 +7,6 @@ mod check;
 mod report;
 mod seat;
 
-pub(crate) use check::observed;
-
 pub use report::{Dormancy, LawReport, Missing, Report, Status};
 
 use crate::column::Storage;
@@ -121,8 +119,14 @@ pub(crate) struct Registry {
 
 impl Registry {
     /// Ties every law to the state.
-    pub(crate) fn new<P: Scalar>(entries: &[Entry], state: &State<P>, strict: bool) -> Result<Self, Faults> {
+    pub(crate) fn new<P: Scalar>(
+        entries: &[Entry],
+        state: &State<P>,
+        observe: &[(String, String)],
+        strict: bool,
+    ) -> Result<Self, Faults> {
         let mut faults = check::entries(entries);
+        check::observed(observe, entries, state, &mut faults);
         check::declarations(entries, state, &mut faults);
         let placed = seat::place(entries, state, &mut faults);
         let mut registry = Registry { quantities: Vec::new(), seats: Vec::new(), report: Report::default() };
@@ -208,18 +212,27 @@ impl Registry {
         for (port, tie) in entry.signature.ports.iter().zip(ties.clone()) {
             let (Role::Sum { start: Some(start) }, Tie::Quantity(sum)) = (port.property.role, tie) else { continue };
             let on = self.quantities[sum].domain;
-            if let Some(at) = state.domains[on].find(start) {
+            if let Some(at) = state.domains[on].find(start).filter(|&at| state.domains[on].columns[at].given) {
                 self.quantity(on, state.domains[on].columns[at].info, state);
             }
         }
         let place = entry.signature.samples_fields().then(|| self.place(domain, state)).flatten();
-        let rows = seat::rows(entry, domain, &ties, &self.quantities, state, faults);
+        let rows = seat::rows(entry, (domain, target), &ties, place, &self.quantities, state, faults);
         Some(Seat { law, domain, target, rows, ties, place })
     }
 
     fn place<P: Scalar>(&mut self, domain: usize, state: &State<P>) -> Option<QuantityId> {
         let position = <crate::property::Position as crate::property::Property>::INFO;
         Some(self.quantity(domain, position, state))
+    }
+}
+
+/// The quantity that a sum starts from, where the domain has it.
+pub(crate) fn start_of(sum: QuantityId, registry: &Registry) -> Option<QuantityId> {
+    let quantity = &registry.quantities[sum];
+    match quantity.info.role {
+        Role::Sum { start: Some(start) } => registry.find(quantity.domain, start),
+        _ => None,
     }
 }
 

@@ -88,11 +88,11 @@ pub struct Missing {
 impl fmt::Display for Missing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "it {} {}, which {} does not have", self.does, self.property, self.place)?;
-        let name = self.property.split(' ').next().unwrap_or_default();
+        let name = self.property.split(" [").next().unwrap_or_default();
         match (&self.nearest, self.starved_by.as_slice()) {
-            (Some(nearest), _) => write!(f, "; there is {nearest}: rename it, or add {name}"),
+            (_, laws @ [_, ..]) => write!(f, ": add {name}, or what {} lacks, which would set it", laws.join(", ")),
+            (Some(nearest), []) => write!(f, "; there is {nearest}: rename it, or add {name}"),
             (None, []) => write!(f, ": add {name}"),
-            (None, laws) => write!(f, ": add {name}, or what {} lacks, which would set it", laws.join(", ")),
         }
     }
 }

@@ -36,7 +36,8 @@ fn given<P: Scalar>(state: &State<P>, domain: usize, property: &str) -> Option<u
 
 /// Places every enabled law, then puts to sleep, until nothing changes, those that lack something.
 pub(super) fn place<P: Scalar>(entries: &[Entry], state: &State<P>, faults: &mut Vec<Fault>) -> Placed {
-    let domains: Vec<Option<usize>> = entries.iter().map(|entry| domain(entry, entries, state, faults)).collect();
+    let stand = Standing::new(entries, state);
+    let domains: Vec<Option<usize>> = (0..entries.len()).map(|law| domain(law, entries, &stand, state, faults)).collect();
     let targets = entries
         .iter()
         .zip(&domains)
@@ -77,7 +78,14 @@ fn provided(entries: &[Entry], placed: &Placed) -> Vec<(usize, &'static str)> {
 }
 
 /// The domain of a law: the one asked for, the one declared, or the only one that may have what it needs.
-fn domain<P: Scalar>(entry: &Entry, all: &[Entry], state: &State<P>, faults: &mut Vec<Fault>) -> Option<usize> {
+fn domain<P: Scalar>(
+    law: usize,
+    entries: &[Entry],
+    stand: &Standing,
+    state: &State<P>,
+    faults: &mut Vec<Fault>,
+) -> Option<usize> {
+    let entry = &entries[law];
     if let Some(name) = &entry.options.domain {
         let found = state.domain_index(name);
         if found.is_none() {
@@ -92,20 +100,8 @@ fn domain<P: Scalar>(entry: &Entry, all: &[Entry], state: &State<P>, faults: &mu
     if let Some(name) = entry.signature.domain {
         return state.domain_index(name);
     }
-    let lacks = |domain: usize| {
-        let own = entry.signature.ports.iter().filter(|port| port.place == Place::Own && needed(port));
-        let link = entry.signature.link.filter(|link| link_target(state, domain, link).is_none());
-        let field_place =
-            entry.signature.samples_fields() && !could_have(domain, crate::property::Position::NAME, all, state);
-        own.filter(|port| {
-            !matches!(port.property.role, Role::Sum { .. }) && !could_have(domain, port.property.name, all, state)
-        })
-        .count()
-            + usize::from(link.is_some())
-            + usize::from(field_place)
-    };
     let candidates: Vec<usize> = (1..state.domains.len()).collect();
-    let fitting: Vec<usize> = candidates.iter().copied().filter(|&domain| lacks(domain) == 0).collect();
+    let fitting: Vec<usize> = candidates.iter().copied().filter(|&domain| stand.can[law][domain]).collect();
     if let [_, _, ..] = fitting.as_slice()
         && entry.options.enabled
     {
@@ -115,7 +111,58 @@ fn domain<P: Scalar>(entry: &Entry, all: &[Entry], state: &State<P>, faults: &mu
         });
         return None;
     }
-    fitting.first().copied().or_else(|| candidates.into_iter().min_by_key(|&domain| lacks(domain)))
+    let lacks = |domain: &usize| stand.lacks(law, *domain, entries, state);
+    fitting.first().copied().or_else(|| candidates.into_iter().min_by_key(lacks))
+}
+
+/// Which laws could stand on which domains.
+struct Standing {
+    /// By law and domain.
+    can: Vec<Vec<bool>>,
+}
+
+impl Standing {
+    /// Every law may stand where it is asked to; then, until nothing changes, none stands where it would lack something
+    /// that neither the client gives nor a law sets that may stand there.
+    fn new<P: Scalar>(entries: &[Entry], state: &State<P>) -> Self {
+        let may = |entry: &Entry| -> Vec<bool> {
+            let asked = entry.options.domain.as_deref().or(entry.signature.domain);
+            state.domains.iter().map(|domain| asked.is_none_or(|name| name == domain.name)).collect()
+        };
+        let mut stand = Standing { can: entries.iter().map(may).collect() };
+        loop {
+            let lacking = |law: usize, domain: usize| {
+                stand.can[law][domain] && stand.lacks(law, domain, entries, state) > 0
+            };
+            let found: Vec<(usize, usize)> = (0..entries.len())
+                .flat_map(|law| (0..state.domains.len()).map(move |domain| (law, domain)))
+                .filter(|&(law, domain)| lacking(law, domain))
+                .collect();
+            if found.is_empty() {
+                return stand;
+            }
+            for (law, domain) in found {
+                stand.can[law][domain] = false;
+            }
+        }
+    }
+
+    /// How many things a law would lack on a domain.
+    fn lacks<P: Scalar>(&self, law: usize, domain: usize, entries: &[Entry], state: &State<P>) -> usize {
+        let signature = &entries[law].signature;
+        let has = |property: &str| {
+            given(state, domain, property).is_some()
+                || entries.iter().zip(&self.can).any(|(other, can)| {
+                    let sets = |port: &Port| port.mode == Mode::Sets && port.property.name == property;
+                    other.options.enabled && can[domain] && other.signature.ports.iter().any(sets)
+                })
+        };
+        let own = signature.ports.iter().filter(|port| port.place == Place::Own && needed(port));
+        let link = signature.link.filter(|link| link_target(state, domain, link).is_none());
+        own.filter(|port| !matches!(port.property.role, Role::Sum { .. }) && !has(port.property.name)).count()
+            + usize::from(link.is_some())
+            + usize::from(signature.samples_fields() && !has(crate::property::Position::NAME))
+    }
 }
 
 /// Whether a law cannot run without what this port touches being there.
@@ -127,25 +174,15 @@ fn needed(port: &Port) -> bool {
     }
 }
 
-fn could_have<P: Scalar>(domain: usize, property: &str, all: &[Entry], state: &State<P>) -> bool {
-    given(state, domain, property).is_some()
-        || all.iter().filter(|other| other.options.enabled).any(|other| {
-            let stands = other.options.domain.as_deref().or(other.signature.domain);
-            let sets = |port: &&Port| port.mode == Mode::Sets && port.property.name == property;
-            stands.is_none_or(|name| name == state.domains[domain].name)
-                && other.signature.ports.iter().any(|port| sets(&port))
-        })
-}
-
 fn missing_of<P: Scalar>(law: usize, entries: &[Entry], placed: &Placed, state: &State<P>) -> Vec<Missing> {
     let signature = &entries[law].signature;
     let Some(domain) = placed.domains[law] else {
-        let name = signature.domain.unwrap_or("of rows");
+        let names = state.domains.iter().skip(1).map(|domain| domain.name.as_str());
         return vec![Missing {
             does: "stands on".to_owned(),
-            property: format!("domain {name}"),
+            property: signature.domain.map_or_else(|| "a domain of rows".to_owned(), |name| format!("domain {name}")),
             place: "the state".to_owned(),
-            nearest: nearest(name, state.domains.iter().skip(1).map(|domain| domain.name.as_str())),
+            nearest: signature.domain.and_then(|name| nearest(name, names)),
             starved_by: Vec::new(),
         }];
     };
@@ -226,62 +263,68 @@ fn lack<P: Scalar>(
 /// The rows a law runs on: those that all its subset columns share; `None` for all.
 pub(super) fn rows<P: Scalar>(
     entry: &Entry,
-    domain: usize,
+    (domain, target): (usize, Option<usize>),
     ties: &[Tie],
+    place: Option<usize>,
     quantities: &[Quantity],
     state: &State<P>,
     faults: &mut Vec<Fault>,
 ) -> Option<Vec<u32>> {
-    let mut shared: Option<Vec<u32>> = None;
-    let mut by = String::new();
-    let subset_of = |tie: &Tie| match tie {
-        Tie::Quantity(id) if quantities[*id].domain == domain => {
-            let at = state.domains[domain].find(quantities[*id].info.name)?;
-            state.domains[domain].columns[at].subset.as_ref()
-        }
-        _ => None,
+    let part_of = |on: usize, id: usize| {
+        let at = state.domains[on].find(quantities[id].info.name).filter(|_| quantities[id].domain == on)?;
+        state.domains[on].columns[at].part_of(state.domains[on].rows)
     };
-    for (port, tie) in entry.signature.ports.iter().zip(ties) {
-        let Some(rows) = subset_of(tie).filter(|_| port.place == Place::Own && !port.optional) else { continue };
-        by = port.property.name.to_owned();
+    let all = state.domains[domain].rows;
+    let mut refuse = |property: &str, given: usize, rows: usize, mend: &str| {
+        faults.push(Fault::Subset {
+            law: entry.label().to_owned(),
+            subset: property.to_owned(),
+            given,
+            rows,
+            mend: mend.to_owned(),
+        });
+    };
+    let ports = || entry.signature.ports.iter().zip(ties);
+    let tied = |tie: &Tie| if let Tie::Quantity(id) = tie { Some(*id) } else { None };
+    let own = ports().filter(|(port, _)| port.place == Place::Own && !port.optional).filter_map(|(_, tie)| tied(tie));
+    let mut shared: Option<Vec<u32>> = None;
+    let mut by = None;
+    for id in own.chain(place) {
+        let Some(rows) = part_of(domain, id) else { continue };
+        by = by.or(Some((quantities[id].info.name, rows.len())));
         shared = Some(match shared {
-            None => rows.clone(),
+            None => rows.to_vec(),
             Some(kept) => kept.into_iter().filter(|row| rows.binary_search(row).is_ok()).collect(),
         });
     }
-    let all = state.domains[domain].rows;
-    for (port, tie) in entry.signature.ports.iter().zip(ties) {
-        let Some(rows) = subset_of(tie).filter(|_| port.place == Place::Own && port.optional) else { continue };
-        let covered = match &shared {
-            Some(kept) => kept.iter().all(|row| rows.binary_search(row).is_ok()),
-            None => rows.len() == all,
-        };
-        if !covered {
-            faults.push(Fault::Subset {
-                law: entry.label().to_owned(),
-                subset: port.property.name.to_owned(),
-                detail: format!(
-                    "it is optional, but {} of {all} rows have it: give it to all rows, or to none",
-                    rows.len()
-                ),
-            });
+    for (port, tie) in ports() {
+        let name = port.property.name;
+        if port.place == Place::Own && port.optional {
+            let Some(rows) = tied(tie).and_then(|id| part_of(domain, id)) else { continue };
+            let covered = shared.as_ref().is_some_and(|kept| kept.iter().all(|row| rows.binary_search(row).is_ok()));
+            if !covered {
+                refuse(name, rows.len(), all, "it is optional, so give it to all rows, or to none");
+            }
+        }
+        if let (Place::End, Some(target)) = (port.place, target)
+            && let Some(rows) = tied(tie).and_then(|id| part_of(target, id))
+        {
+            let all = state.domains[target].rows;
+            refuse(name, rows.len(), all, "any row may be linked to, so give all of them a value");
         }
     }
-    let rows = shared?;
+    let (rows, (subset, given)) = shared.zip(by)?;
     if entry.shape == Shape::Column || entry.shape == Shape::Link {
-        faults.push(Fault::Subset {
-            law: entry.label().to_owned(),
-            subset: by,
-            detail: format!("a {} law gets whole columns: give all {all} rows a value", entry.shape.word()),
-        });
+        let mend = format!("a {} law gets whole columns, so give all rows a value", entry.shape.word());
+        refuse(subset, given, all, &mend);
         return Some(rows);
     }
     for port in entry.signature.ports.iter().filter(|port| port.mode == Mode::Sets) {
         faults.push(Fault::SetOnSubset {
             law: entry.label().to_owned(),
             property: port.property.name.to_owned(),
-            subset: by.clone(),
-            given: rows.len(),
+            subset: subset.to_owned(),
+            given,
             rows: all,
         });
     }

@@ -4,7 +4,7 @@ use super::{DomainState, State, fresh_identity};
 use crate::column::{Aligned, Column, Storage};
 use crate::dimension::Unit;
 use crate::domain::{AsProperty, Domain, Given, GivenValues, SCENE};
-use crate::error::{Fault, Faults, nearest};
+use crate::error::{Fault, Faults, nearest, per_row};
 use crate::field::Field;
 use crate::property::{Kind, PropertyInfo, Time};
 use crate::real::Scalar;
@@ -18,6 +18,15 @@ impl<P: Scalar> State<P> {
     pub fn new(
         domains: impl IntoIterator<Item = Domain<P>>,
         fields: impl IntoIterator<Item = (PropertyInfo, Arc<dyn Field<P>>)>,
+    ) -> Result<Self, Faults> {
+        Self::checked(domains, fields, None)
+    }
+
+    /// The same; `before` says how many rows a domain already has, before those given, for links to it.
+    pub(super) fn checked(
+        domains: impl IntoIterator<Item = Domain<P>>,
+        fields: impl IntoIterator<Item = (PropertyInfo, Arc<dyn Field<P>>)>,
+        before: Option<(&str, usize)>,
     ) -> Result<Self, Faults> {
         let mut faults = Vec::new();
         let mut scene = Domain::new(SCENE).rows(1).with(Time, [0.0]);
@@ -37,7 +46,19 @@ impl<P: Scalar> State<P> {
         }
         given.insert(0, scene);
 
-        let rows: Vec<(String, usize)> = given.iter().map(|domain| (domain.name.clone(), rows_of(domain).0)).collect();
+        let mut rows: Vec<(String, usize)> =
+            given.iter().map(|domain| (domain.name.clone(), rows_of(domain).0)).collect();
+        for (name, rows) in &mut rows {
+            *rows = rows.saturating_add(before.filter(|(known, _)| known == name).map_or(0, |(_, rows)| rows));
+        }
+        let large = |rows: &usize| u32::try_from(*rows).is_err();
+        let too_many = rows.iter().filter(|(_, rows)| large(rows));
+        faults.extend(too_many.map(|(name, rows)| Fault::TooManyRows { domain: name.clone(), rows: *rows }));
+        if rows.iter().any(|(_, rows)| large(rows)) {
+            // Columns of such a domain cannot even be made.
+            Faults::unless_empty(core::mem::take(&mut faults), ())?;
+        }
+        lent_twice(&given, &mut faults);
         let mut stream = 0;
         let states = given
             .into_iter()
@@ -92,7 +113,24 @@ fn values_in<P: Scalar>(column: &Given<P>) -> usize {
     match &column.values {
         GivenValues::Numbers(values) => values.rows(),
         GivenValues::Lent(memory) => memory.rows(),
-        GivenValues::Links { rows, .. } => rows.len() / column.info.kind.width().max(1),
+        GivenValues::Links { arity, rows, .. } => rows.len() / (*arity).max(1),
+    }
+}
+
+/// Memory that is lent to two columns: laws could not tell whose numbers they change.
+fn lent_twice<P: Scalar>(domains: &[Domain<P>], faults: &mut Vec<Fault>) {
+    let mut known: Vec<(*const (), String)> = Vec::new();
+    for (domain, column) in domains.iter().flat_map(|domain| domain.columns.iter().map(move |column| (domain, column))) {
+        let GivenValues::Lent(memory) = &column.values else { continue };
+        let name = column.info.name;
+        if domain.name == SCENE {
+            faults.push(Fault::client_memory(SCENE, name, "hold a constant", "can change while laws run: give the value"));
+        }
+        if let Some((_, first)) = known.iter().find(|(other, _)| *other == memory.identity()) {
+            let why = format!("is lent to {first} already: lend each column memory of its own");
+            faults.push(Fault::client_memory(&domain.name, name, "be lent twice", &why));
+        }
+        known.push((memory.identity(), format!("{}.{name}", domain.name)));
     }
 }
 
@@ -109,14 +147,16 @@ impl Check<'_> {
         let before = faults.len();
         let given = values_in(&column);
         self.kind(&column, faults);
-        let expected = column.subset.as_ref().map_or(self.rows, Vec::len);
+        // A constant is there for its one row, or not at all.
+        let subset = column.subset.as_ref().filter(|_| self.domain != SCENE);
+        let expected = subset.map_or(self.rows, Vec::len);
         if faults.len() == before && given != expected {
             faults.push(Fault::Length {
                 domain: self.domain.to_owned(),
                 property: column.info.name.to_owned(),
                 given,
                 expected,
-                expected_by: if column.subset.is_some() { "the rows of the subset" } else { self.by }.to_owned(),
+                expected_by: if subset.is_some() { "the rows of the subset" } else { self.by }.to_owned(),
             });
         }
         let order = self.subset(&column, faults);
@@ -135,10 +175,11 @@ impl Check<'_> {
                         component.as_mut_slice()[to] = P::from_f64(values.numbers[from * width + c] * scale);
                     }
                 }
+                self.in_range(&column.info, &values.numbers, scale, &components, &order, faults);
                 Storage::Split(components)
             }
             GivenValues::Lent(memory) => Storage::Lent(memory),
-            GivenValues::Links { target, rows } => {
+            GivenValues::Links { target, rows, .. } => {
                 self.links(&column.info, &target, &rows, faults);
                 Storage::Link { target, arity: width, rows }
             }
@@ -152,17 +193,17 @@ impl Check<'_> {
 
     fn kind<P: Scalar>(&self, column: &Given<P>, faults: &mut Vec<Fault>) {
         let expected = column.info.kind;
+        let is_link = matches!(expected, Kind::Link(_));
         let given = match &column.values {
-            GivenValues::Numbers(values) if matches!(expected, Kind::Link(_)) || values.width != expected.width() => {
-                format!("{} numbers per row", values.width)
+            GivenValues::Numbers(values) if is_link || values.width != expected.width() => per_row(values.width),
+            GivenValues::Numbers(values) if values.numbers.len() % values.width != 0 => {
+                format!("{} numbers in all", values.numbers.len())
             }
-            GivenValues::Lent(memory) if matches!(expected, Kind::Link(_)) || memory.width() != expected.width() => {
-                format!("{} numbers per row", memory.width())
+            GivenValues::Lent(memory) if is_link || memory.width() != expected.width() => per_row(memory.width()),
+            GivenValues::Links { arity, .. } if expected != Kind::Link(*arity) || *arity == 0 => {
+                format!("a {}", Kind::Link(*arity))
             }
-            GivenValues::Links { .. } if !matches!(expected, Kind::Link(_)) => "rows of a domain".to_owned(),
-            GivenValues::Links { rows, .. } if rows.len() % expected.width() != 0 => {
-                format!("{} rows in all", rows.len())
-            }
+            GivenValues::Links { arity, rows, .. } if rows.len() % arity != 0 => format!("{} rows in all", rows.len()),
             _ => return,
         };
         faults.push(Fault::Kind {
@@ -170,7 +211,11 @@ impl Check<'_> {
             property: column.info.name.to_owned(),
             expected: expected.to_string(),
             given,
-            width: expected.width(),
+            mend: match expected {
+                Kind::Link(0) => "it a property that links to at least one row".to_owned(),
+                Kind::Link(arity) => format!("{arity} rows of a domain for each row, `.link(..)`"),
+                _ => per_row(expected.width()),
+            },
         });
     }
 
@@ -228,6 +273,32 @@ impl Check<'_> {
                 property: info.name.to_owned(),
                 row: at / width.max(1),
                 value: numbers[at],
+            });
+        }
+    }
+
+    /// A finite number that is infinite in the state's precision.
+    fn in_range<P: Scalar>(
+        &self,
+        info: &PropertyInfo,
+        numbers: &[f64],
+        scale: f64,
+        components: &[Aligned<P>],
+        order: &[usize],
+        faults: &mut Vec<Fault>,
+    ) {
+        let width = components.len();
+        let lost = |k: usize| !components[k % width].as_slice()[k / width].is_finite();
+        let Some(at) = (0..order.len() * width).find(|&k| lost(k)) else { return };
+        let from = order[at / width];
+        let value = numbers[from * width + at % width];
+        if value.is_finite() {
+            faults.push(Fault::OutOfPrecision {
+                domain: self.domain.to_owned(),
+                property: info.name.to_owned(),
+                row: from,
+                value: value * scale,
+                precision: P::NAME.to_owned(),
             });
         }
     }

@@ -1,39 +1,38 @@
 //! What the client changes of a state's shape between steps: rows added and removed, columns and fields added.
 
 use super::State;
-use crate::column::{Storage, Values, renumbering};
+use crate::column::{Column, Storage, Values, renumbering};
 use crate::domain::{AsProperty, Domain, Given, GivenValues};
-use crate::error::{Fault, Faults, nearest};
+use crate::error::{Fault, Faults};
 use crate::field::Field;
 use crate::real::Scalar;
 use std::sync::Arc;
 
 impl<P: Scalar> State<P> {
     /// Adds rows to a domain. `rows` is a [`Domain`] of the same name with the new rows' values; every given column
-    /// that has a value for all rows needs one for the new rows too, a subset takes those it is given.
+    /// that has a value for all rows needs one for the new rows too, a subset takes those it is given. Links of new rows
+    /// count the rows of their target as it will be.
     ///
     /// # Errors
     /// The domain does not exist, a column is missing, unknown, or does not fit; nothing is changed then.
-    pub fn add_rows(&mut self, rows: Domain<P>) -> Result<(), Faults> {
+    pub fn add_rows(&mut self, mut rows: Domain<P>) -> Result<(), Faults> {
         let place = self.domain_index(&rows.name).ok_or_else(|| self.no_domain(&rows.name))?;
+        if place == 0 {
+            return Err(Fault::SceneRow { mend: "change a constant by `set_constant`".to_owned() }.into());
+        }
         let domain = &self.domains[place];
         let mut faults = Vec::new();
-        for column in domain.columns.iter().filter(|column| column.given && column.subset.is_none()) {
-            if !rows.columns.iter().any(|given| given.info.name == column.info.name) {
-                faults.push(Fault::NoProperty {
-                    domain: format!("the new rows of {}", domain.name),
-                    property: column.info.described(),
-                    nearest: None,
-                });
+        for column in domain.columns.iter().filter(|column| column.given) {
+            faults.extend(column.resizable(&domain.name, "grow").err());
+            let given = rows.columns.iter().any(|given| given.info.name == column.info.name);
+            if !given && column.subset.is_none() {
+                faults.push(Fault::NewRowsLack { domain: domain.name.clone(), property: column.info.described() });
             }
         }
-        for given in &rows.columns {
-            if domain.find(given.info.name).is_none() {
-                faults.push(Fault::NoProperty {
-                    domain: domain.name.clone(),
-                    property: given.info.name.to_owned(),
-                    nearest: nearest(given.info.name, domain.columns.iter().map(|column| column.info.name)),
-                });
+        for given in &mut rows.columns {
+            match domain.columns.iter().find(|column| column.given && column.info.name == given.info.name) {
+                None => faults.push(Self::no_property(domain, given.info.name)),
+                Some(column) => faults.extend(fits(column, given, &domain.name).err()),
             }
         }
         Faults::unless_empty(faults, ())?;
@@ -42,28 +41,23 @@ impl<P: Scalar> State<P> {
         let mut around: Vec<Domain<P>> = names.map(|other| Domain::new(&other.name).rows(other.rows)).collect();
         let name = rows.name.clone();
         around.push(rows);
-        let parsed = State::new(around, [])?;
+        let parsed = State::checked(around, [], Some((&name, domain.rows)))?;
         let new = parsed.domain(&name)?;
-        let (old_rows, added) = (domain.rows, new.rows);
-        self.append(place, new, old_rows, added)?;
+        let old_rows = domain.rows;
         self.changed_layout();
+        self.append(place, new, old_rows)?;
         Ok(())
     }
 
-    fn append(
-        &mut self,
-        place: usize,
-        new: &super::DomainState<P>,
-        old_rows: usize,
-        added: usize,
-    ) -> Result<(), Faults> {
+    fn append(&mut self, place: usize, new: &super::DomainState<P>, old_rows: usize) -> Result<(), Faults> {
         let domain = &mut self.domains[place];
-        domain.rows += added;
+        domain.rows += new.rows;
         for column in &mut domain.columns {
             let width = column.info.kind.width();
-            let Some(from) = new.find(column.info.name).map(|index| &new.columns[index]) else {
+            let from = new.find(column.info.name).map(|index| &new.columns[index]).filter(|_| column.given);
+            let Some(from) = from else {
                 if !column.given {
-                    column.extend(&domain.name, &vec![P::default(); added * width])?;
+                    column.extend(&domain.name, &vec![P::default(); new.rows * width])?;
                 }
                 continue;
             };
@@ -75,10 +69,10 @@ impl<P: Scalar> State<P> {
             let numbers: Vec<P> = (0..from.len() * width).map(|k| from.number(k / width, k % width)).collect();
             column.extend(&domain.name, &numbers)?;
             if let Some(subset) = &mut column.subset {
-                let old = u32::try_from(old_rows).unwrap_or(u32::MAX);
-                let all = 0..u32::try_from(added).unwrap_or(u32::MAX);
-                let rows = from.subset.clone().unwrap_or_else(|| all.collect());
-                subset.extend(rows.into_iter().map(|row| old + row));
+                // Rows fit 32 bits: the state was checked for it.
+                let row = |row: usize| u32::try_from(row).unwrap_or(u32::MAX);
+                let rows = from.subset.clone().unwrap_or_else(|| (0..row(new.rows)).collect());
+                subset.extend(rows.into_iter().map(|new| row(old_rows) + new));
             }
         }
         Ok(())
@@ -88,60 +82,78 @@ impl<P: Scalar> State<P> {
     /// removed with it.
     ///
     /// # Errors
-    /// The domain or a row does not exist, or a column is memory that cannot shrink.
+    /// The domain or a row does not exist, or a column is memory that cannot shrink; nothing is changed then.
     pub fn remove_rows(&mut self, domain: &str, rows: &[usize]) -> Result<(), Fault> {
         let place = self.domain_index(domain).ok_or_else(|| self.no_domain(domain))?;
+        if place == 0 {
+            return Err(Fault::SceneRow { mend: "take a constant away by `remove_column`".to_owned() });
+        }
         let count = self.domains[place].rows;
         if let Some(&row) = rows.iter().find(|&&row| row >= count) {
             return Err(Fault::NoRow { domain: domain.to_owned(), row, rows: count });
         }
-        let mut keep = vec![true; count];
+        let mut keep: Vec<Vec<bool>> = self.domains.iter().map(|domain| vec![true; domain.rows]).collect();
         for &row in rows {
-            keep[row] = false;
+            keep[place][row] = false;
         }
-        self.remove(place, &keep)
+        while self.orphan(&mut keep) {}
+        let shrinks = |index: usize| keep[index].contains(&false);
+        for (_, domain) in self.domains.iter().enumerate().filter(|(index, _)| shrinks(*index)) {
+            for column in &domain.columns {
+                column.resizable(&domain.name, "shrink")?;
+            }
+        }
+        self.changed_layout();
+        for index in 0..self.domains.len() {
+            if shrinks(index) {
+                let domain = &mut self.domains[index];
+                for column in &mut domain.columns {
+                    column.retain(&domain.name, &keep[index])?;
+                }
+                domain.rows = keep[index].iter().filter(|keep| **keep).count();
+                self.renumber(index, &keep[index]);
+            }
+        }
+        Ok(())
     }
 
-    fn remove(&mut self, place: usize, keep: &[bool]) -> Result<(), Fault> {
-        if keep.iter().all(|keep| *keep) {
-            return Ok(());
-        }
-        let name = self.domains[place].name.clone();
-        for column in &mut self.domains[place].columns {
-            column.retain(&name, keep)?;
-        }
-        self.domains[place].rows = keep.iter().filter(|keep| **keep).count();
-        self.changed_layout();
-        let moved = renumbering(keep);
-        let mut orphans: Vec<(usize, Vec<bool>)> = Vec::new();
-        for (index, domain) in self.domains.iter_mut().enumerate() {
-            let mut alive = vec![true; domain.rows];
-            for column in &mut domain.columns {
-                let Storage::Link { target, arity, rows } = &mut column.storage else { continue };
-                if *target != name {
-                    continue;
-                }
-                for (link, ends) in rows.chunks_exact_mut(*arity).enumerate() {
-                    for end in ends {
-                        match moved[*end as usize] {
-                            Some(row) => *end = row,
-                            None => alive[link] = false,
-                        }
+    /// Lets go of the rows that link to rows let go of; whether there were any.
+    fn orphan(&self, keep: &mut [Vec<bool>]) -> bool {
+        let mut found = false;
+        for (index, domain) in self.domains.iter().enumerate() {
+            for (target, arity, rows) in domain.columns.iter().filter_map(Column::links) {
+                let Some(target) = self.domain_index(target) else { continue };
+                for (link, ends) in rows.chunks_exact(arity).enumerate() {
+                    if keep[index][link] && ends.iter().any(|&end| !keep[target][end as usize]) {
+                        keep[index][link] = false;
+                        found = true;
                     }
                 }
             }
-            orphans.push((index, alive));
         }
-        for (index, alive) in orphans {
-            self.remove(index, &alive)?;
+        found
+    }
+
+    /// Lets links to a domain follow its rows.
+    fn renumber(&mut self, target: usize, keep: &[bool]) {
+        let moved = renumbering(keep);
+        let name = self.domains[target].name.clone();
+        for column in self.domains.iter_mut().flat_map(|domain| &mut domain.columns) {
+            if let Storage::Link { target, rows, .. } = &mut column.storage
+                && *target == name
+            {
+                for end in rows {
+                    // A link whose row is gone goes itself, before or after this.
+                    *end = moved[*end as usize].unwrap_or_default();
+                }
+            }
         }
-        Ok(())
     }
 
     /// Adds a column to a domain that exists, or a whole domain. Dormant laws that lacked it wake at the next step.
     ///
     /// # Errors
-    /// A column exists already, or does not fit.
+    /// A column exists already, or does not fit; nothing is changed then.
     pub fn add_columns(&mut self, columns: Domain<P>) -> Result<(), Faults> {
         let name = columns.name.clone();
         let others: Vec<Domain<P>> = self
@@ -163,19 +175,21 @@ impl<P: Scalar> State<P> {
             None => self.domains.push(new),
             Some(index) => {
                 let domain = &mut self.domains[index];
-                let mut faults = Vec::new();
-                for column in new.columns {
-                    match domain.find(column.info.name) {
-                        // The new scene domain always has a time, which this one has too.
-                        Some(_) if index == 0 && column.info.name == crate::property::Time.info().name => {}
-                        Some(old) if !domain.columns[old].given => domain.columns[old] = column,
-                        Some(_) => faults
-                            .push(Fault::ColumnTwice { domain: name.clone(), property: column.info.name.to_owned() }),
-                        None => domain.columns.push(column),
-                    }
+                // The new scene domain always has a time, which this one has too.
+                let again = |column: &Column<P>| index == 0 && column.info.name == crate::property::Time.info().name;
+                let columns: Vec<Column<P>> = new.columns.into_iter().filter(|column| !again(column)).collect();
+                let twice = |column: &&Column<P>| {
+                    domain.columns.iter().any(|old| old.given && old.info.name == column.info.name)
+                };
+                let faults = columns.iter().filter(twice).map(|column| Fault::ColumnTwice {
+                    domain: name.clone(),
+                    property: column.info.name.to_owned(),
+                });
+                Faults::unless_empty(faults.collect(), ())?;
+                for column in columns {
+                    domain.columns.retain(|old| old.info.name != column.info.name);
+                    domain.columns.push(column);
                 }
-                self.changed_layout();
-                return Faults::unless_empty(faults, ());
             }
         }
         self.changed_layout();
@@ -221,7 +235,7 @@ impl<P: Scalar> State<P> {
         let parsed = State::new([scene], [])?;
         let new = parsed.column(Self::scene_name(), info.name)?;
         match self.domains[0].find(info.name) {
-            Some(index) if self.domains[0].columns[index].info.kind == info.kind => {
+            Some(index) if self.domains[0].columns[index].info == info => {
                 for component in 0..info.kind.width() {
                     self.domains[0].columns[index].set_number(0, component, new.number(0, component));
                 }
@@ -233,5 +247,29 @@ impl<P: Scalar> State<P> {
             }
         }
         Ok(())
+    }
+}
+
+/// Whether values for new rows can go on a column. They are taken to be of the column's own property.
+fn fits<P: Scalar>(column: &Column<P>, given: &mut Given<P>, domain: &str) -> Result<(), Fault> {
+    let (domain, property) = (domain.to_owned(), given.info.name.to_owned());
+    if given.info.kind == column.info.kind && given.info.size != column.info.size {
+        return Err(Fault::Declared {
+            property,
+            one: column.info.measured(),
+            one_by: format!("domain {domain}"),
+            other: given.info.measured(),
+            other_by: "the new rows".to_owned(),
+        });
+    }
+    given.info = column.info;
+    if column.subset.is_none() && given.subset.is_some() {
+        return Err(Fault::NewRowsSubset { domain, property });
+    }
+    match (column.links(), &given.values) {
+        (Some((target, ..)), GivenValues::Links { target: other, .. }) if target != other => {
+            Err(Fault::NewRowsTarget { domain, property, target: target.to_owned(), given: other.clone() })
+        }
+        _ => Ok(()),
     }
 }

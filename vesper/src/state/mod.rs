@@ -6,7 +6,7 @@
 mod build;
 mod edit;
 
-use crate::column::{Column, Storage};
+use crate::column::{Column, ColumnMut, Storage};
 use crate::domain::{AsProperty, SCENE};
 use crate::error::{Fault, nearest};
 use crate::field::Field;
@@ -123,41 +123,53 @@ impl<P: Scalar> State<P> {
     /// A column, by name. Computed columns exist where they are observed or where laws exchange them.
     ///
     /// # Errors
-    /// There is no such domain or property.
+    /// There is no such domain or property, or it is lent memory that the client is changing.
     pub fn column(&self, domain: &str, property: &str) -> Result<&Column<P>, Fault> {
         let domain = self.domain(domain)?;
         let index = domain.find(property).ok_or_else(|| Self::no_property(domain, property))?;
+        domain.columns[index].free(&domain.name, false)?;
         Ok(&domain.columns[index])
     }
 
     /// A column to change in place, by name.
     ///
     /// # Errors
-    /// There is no such domain or property.
-    pub fn column_mut(&mut self, domain: &str, property: &str) -> Result<&mut Column<P>, Fault> {
+    /// There is no such domain or property, or it is lent memory that the client looks at or changes.
+    pub fn column_mut(&mut self, domain: &str, property: &str) -> Result<ColumnMut<'_, P>, Fault> {
         let place = self.domain_index(domain).ok_or_else(|| self.no_domain(domain))?;
         let domain = &mut self.domains[place];
-        match domain.find(property) {
-            Some(index) => Ok(&mut domain.columns[index]),
-            None => Err(Self::no_property(domain, property)),
+        let index = domain.find(property).ok_or_else(|| Self::no_property(domain, property))?;
+        domain.columns[index].free(&domain.name, true)?;
+        Ok(ColumnMut(&mut domain.columns[index]))
+    }
+
+    /// The column, if it is of the kind that the caller takes it for.
+    fn of_kind(&self, domain: &str, property: &PropertyInfo) -> Result<&Column<P>, Fault> {
+        let column = self.column(domain, property.name)?;
+        if column.info.kind == property.kind {
+            return Ok(column);
         }
+        Err(Fault::Kind {
+            domain: domain.to_owned(),
+            property: property.name.to_owned(),
+            expected: column.info.kind.to_string(),
+            given: format!("a {}", property.kind),
+            mend: "the property that the column was made with".to_owned(),
+        })
     }
 
     fn place(&self, domain: &str, property: &PropertyInfo, row: usize) -> Result<usize, Fault> {
-        let column = self.column(domain, property.name)?;
-        if column.info.kind != property.kind {
-            return Err(Fault::Kind {
+        let column = self.of_kind(domain, property)?;
+        let rows = self.domain(domain)?.rows;
+        column.index_of(row).ok_or_else(|| match column.subset {
+            Some(_) if row < rows => Fault::NoValue {
                 domain: domain.to_owned(),
                 property: property.name.to_owned(),
-                expected: column.info.kind.to_string(),
-                given: property.kind.to_string(),
-                width: column.info.kind.width(),
-            });
-        }
-        column.index_of(row).ok_or_else(|| Fault::NoRow {
-            domain: format!("{domain}.{}", property.name),
-            row,
-            rows: column.len(),
+                row,
+                given: column.len(),
+                rows,
+            },
+            _ => Fault::NoRow { domain: domain.to_owned(), row, rows },
         })
     }
 
@@ -183,7 +195,7 @@ impl<P: Scalar> State<P> {
         value: ValueOf<Q, P>,
     ) -> Result<(), Fault> {
         let index = self.place(domain, &Q::INFO, row)?;
-        let column = self.column_mut(domain, Q::NAME)?;
+        let column = self.column_mut(domain, Q::NAME)?.0;
         <Q::Kind as Numeric>::each_component(value, |component, number| column.set_number(index, component, number));
         Ok(())
     }
@@ -191,20 +203,23 @@ impl<P: Scalar> State<P> {
     /// The values of all rows (of the subset, where there is one).
     ///
     /// # Errors
-    /// There is no such domain or property.
+    /// There is no such domain or property, or it is of another kind.
     pub fn values<Q: Property<Kind: Numeric>>(&self, domain: &str, _: Q) -> Result<Vec<ValueOf<Q, P>>, Fault> {
-        let column = self.column(domain, Q::NAME)?;
+        let column = self.of_kind(domain, &Q::INFO)?;
         Ok((0..column.len())
             .map(|index| <Q::Kind as Numeric>::from_components(|component| column.number(index, component)))
             .collect())
     }
 
-    /// The numbers of a column in f64, one value after the other.
+    /// The numbers of a column in f64, one value after the other; of a link the rows that it leads to.
     ///
     /// # Errors
     /// There is no such domain or property.
     pub fn numbers(&self, domain: &str, property: impl AsProperty) -> Result<Vec<f64>, Fault> {
         let column = self.column(domain, property.info().name)?;
+        if let Some((_, _, rows)) = column.links() {
+            return Ok(rows.iter().map(|&row| f64::from(row)).collect());
+        }
         let width = column.info.kind.width();
         Ok((0..column.len() * width).map(|k| column.number(k / width, k % width).to_f64()).collect())
     }
