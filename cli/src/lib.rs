@@ -1,9 +1,17 @@
-//! The parts of the `vesper` command that need no library but units: scene files, tables, generators.
+//! The `vesper` command, as a library: tests and benches read and run scenes as the command does.
 //!
-//! In: files that people write. Out: plain data, or faults with places. Never: runs anything. A library beside the
-//! command, so that tests and benches read scenes as the command does.
+//! In: files that people write. Out: engines, runs, files, or every mistake with its place. Never: physics; that is the
+//! library's and the laws'.
+//!
+//! The way of the data: [`scene`] (with [`csv`], [`generate`], [`fault`]) reads a file -> [`assemble`] makes an engine of
+//! it -> [`run`] takes it to its end -> [`output`] says, saves and draws what came of it; [`command`] is the words of the
+//! command line for all this.
 
+pub mod assemble;
+pub mod command;
 pub mod csv;
 pub mod fault;
 pub mod generate;
+pub mod output;
+pub mod run;
 pub mod scene;

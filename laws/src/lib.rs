@@ -1,1 +1,50 @@
-//! Stock laws.
+//! The stock laws of physics, one file each: what a law touches, its equation, its source, where it is wrong, its
+//! kernel, its test. They use only `vesper::prelude`, so that anyone's law crate has the same power.
+//!
+//! ```
+//! use vesper::prelude::*;
+//! use vesper_laws::{Gravity, Motion};
+//!
+//! let bodies = Domain::new("bodies")
+//!     .with(Position, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+//!     .with(Velocity, [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+//!     .with(Mass, [1.0, 1e-9]);
+//! let gravity = Gravity { g: 1.0, softening: 0.0 };
+//! let mut engine = Engine::<f64>::builder().domain(bodies).law(gravity).law(Motion).step(1e-3).build()?;
+//! engine.advance(core::f64::consts::TAU)?;
+//! assert!((engine.state().get("bodies", Position, 1)? - DVec3::X).length() < 1e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`catalog`] lists the laws for whoever chooses by name; [`invariants`] sums what an undisturbed system keeps;
+//! [`reference`] holds problems with known answers.
+
+pub mod catalog;
+pub mod invariants;
+pub mod reference;
+
+/// Declares the files of the laws, and brings what they make to the front.
+macro_rules! laws {
+    ($($file:ident),* $(,)?) => {$(
+        mod $file;
+        pub use $file::*;
+    )*};
+}
+laws! {
+    coulomb,
+    drag,
+    electric_force,
+    field_gravity,
+    gravity,
+    gravity_by_parameter,
+    kinematics,
+    magnetic_force,
+    motion,
+    post_newtonian,
+    quadratic_drag,
+    relativistic_mass,
+    relativistic_motion,
+    relativistic_velocity,
+    spring,
+    uniform_gravity,
+}

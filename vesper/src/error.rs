@@ -18,6 +18,12 @@ impl Faults {
         if faults.is_empty() { Ok(value) } else { Err(Faults(faults)) }
     }
 
+    /// These faults behind others.
+    pub(crate) fn after(self, mut others: Vec<Fault>) -> Faults {
+        others.extend(self.0);
+        Faults(others)
+    }
+
     /// Each fault.
     pub fn iter(&self) -> core::slice::Iter<'_, Fault> {
         self.0.iter()
@@ -63,36 +69,47 @@ impl std::error::Error for Faults {}
 #[allow(missing_docs, reason = "each variant's message names every field")]
 #[non_exhaustive]
 pub enum Fault {
-    #[error("{place}: unit \"{unit}\": {reason}")]
+    #[error("{place}: {reason}")]
     Unit { place: String, unit: String, reason: String },
     #[error(
         "{domain}.{property} is given in {given}, but it is measured in {expected}: give it in a unit of that dimension"
     )]
     Dimension { domain: String, property: String, given: String, expected: String },
-    #[error("{domain}.{property} is a {expected}, but it is given as {given}: give {mend}")]
+    #[error("{domain}.{property} is a {expected}, but it is {given}: give {mend}")]
     Kind { domain: String, property: String, expected: String, given: String, mend: String },
     #[error(
         "property {property} is declared as {one} by {one_by} and as {other} by {other_by}: declare it alike, or rename one of them"
     )]
     Declared { property: String, one: String, one_by: String, other: String, other_by: String },
     #[error(
-        "{domain}.{property} has {given} rows, but domain {domain} has {expected} (from {expected_by}): give one value per row"
+        "{domain}.{property} has {}, but domain {domain} has {}, {expected_by}: give one value per row",
+        counted(*given, "value"),
+        counted(*expected, "row")
     )]
     Length { domain: String, property: String, given: usize, expected: usize, expected_by: String },
+    #[error(
+        "{domain}.{property} has {} for a subset of {}: give one value per row",
+        counted(*given, "value"),
+        counted(*expected, "row")
+    )]
+    SubsetLength { domain: String, property: String, given: usize, expected: usize },
     #[error("{domain}.{property}: row {row} is given twice: a subset names each row once")]
     SubsetTwice { domain: String, property: String, row: u32 },
-    #[error("{domain}.{property}: row {row} is outside domain {domain}, which has {rows} rows (0 to {rows} exclusive)")]
+    #[error("{domain}.{property}: row {row} is outside domain {domain}, which has {}, counted from 0", counted(*rows, "row"))]
     SubsetRange { domain: String, property: String, row: u32, rows: usize },
     #[error(
-        "{domain}.{property}: row {row} links to row {target_row} of {target}, which has {rows} rows (0 to {rows} exclusive)"
+        "{domain}.{property}: row {row} links to row {target_row} of {target}, which has {}, counted from 0",
+        counted(*rows, "row")
     )]
     LinkRange { domain: String, property: String, row: usize, target: String, target_row: u32, rows: usize },
     #[error("{domain}.{property} links to domain {target}, which does not exist{}", hint(nearest, "add the domain"))]
     LinkTarget { domain: String, property: String, target: String, nearest: Option<String> },
+    #[error("{domain}.{property} links to no row: declare it as a link to at least one")]
+    LinkToNone { domain: String, property: String },
     #[error("{domain}.{property}: row {row} is {value}: give a finite number")]
     NotFinite { domain: String, property: String, row: usize, value: f64 },
     #[error(
-        "{domain}.{property}: row {row} is {value}, which is beyond {precision}: take f64, or a property with a larger unit"
+        "{domain}.{property}: row {row} is {value:e}, which is beyond {precision}: take f64, or a property with a larger unit"
     )]
     OutOfPrecision { domain: String, property: String, row: usize, value: f64, precision: String },
     #[error("domain {domain} has {rows} rows: at most 4294967295 can be numbered")]
@@ -118,7 +135,7 @@ pub enum Fault {
         hint(nearest, "give it as a column, or observe it where a law computes it")
     )]
     NoProperty { domain: String, property: String, nearest: Option<String> },
-    #[error("{domain} has no row {row}: it has {rows} rows, counted from 0")]
+    #[error("{domain} has no row {row}: it has {}, counted from 0", counted(*rows, "row"))]
     NoRow { domain: String, row: usize, rows: usize },
     #[error("{domain}.{property} has no value for row {row}: only {given} of {rows} rows have one")]
     NoValue { domain: String, property: String, row: usize, given: usize, rows: usize },
@@ -142,8 +159,8 @@ pub enum Fault {
     RateOfComputed { law: String, property: String, other: String, does: String },
     #[error("{law} adds to {property}, which is no sum: declare the property with `sum`, or set it")]
     AddToPlain { law: String, property: String },
-    #[error("{law} sets {property}, which the client gives: take the column away, or switch {law} off")]
-    SetGiven { law: String, property: String },
+    #[error("{law} {does} {property}, which the client gives: take the column away, or switch {law} off")]
+    SetGiven { law: String, does: String, property: String },
     #[error(
         "{law} sets {property} for all rows, but reads {subset}, which only {given} of {rows} rows have: give the others a value"
     )]
@@ -164,10 +181,10 @@ pub enum Fault {
     SubsetStart { sum: String, start: String, given: usize, rows: usize },
     #[error("{law} touches {numbers} numbers of a row: 64 are possible, split it into several laws")]
     TooWide { law: String, numbers: usize },
-    #[error("{law} is evaluated every {every} steps: the number is at least 1")]
+    #[error("{law} is to be evaluated every {every} steps: give at least 1")]
     Every { law: String, every: u32 },
     #[error(
-        "{law} is evaluated every {every} steps, but it {does} {property}: only a law that adds can be held between steps"
+        "{law} is evaluated every {every} steps, but it {does} {property}: only a law that only adds can be held between steps"
     )]
     EveryOutput { law: String, every: u32, does: String, property: String },
     #[error("{law}: parameter {parameter} is {value}: give a finite number")]
@@ -184,7 +201,7 @@ pub enum Fault {
     NoParallel,
     #[error("{integrator} needs {need}, but {found}: {mend}")]
     Integrator { integrator: String, need: String, found: String, mend: String },
-    #[error("{domain}.{property} is borrowed by the client: let go of it before the engine runs")]
+    #[error("{domain}.{property} is borrowed by the client: let go of it first")]
     Borrowed { domain: String, property: String },
     #[error("{domain}.{property} is the client's own memory, which cannot {cannot}: {mend}")]
     ClientMemory { domain: String, property: String, cannot: String, mend: String },
@@ -198,14 +215,19 @@ fn hint(nearest: &Option<String>, otherwise: &str) -> String {
     nearest.as_ref().map_or_else(|| format!(": {otherwise}"), |name| format!("; did you mean {name}?"))
 }
 
+/// "1 row", "2 rows"
+fn counted(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
 /// "1 number per row"
 pub(crate) fn per_row(numbers: usize) -> String {
-    if numbers == 1 { "1 number per row".to_owned() } else { format!("{numbers} numbers per row") }
+    format!("{} per row", counted(numbers, "number"))
 }
 
 /// The name in `known` nearest to `name`, where one is near enough to be a slip of the pen.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    let allowed = name.chars().count().div_ceil(3).max(1);
+    let allowed = name.chars().count() / 4 + 1;
     known
         .into_iter()
         .map(|candidate| (distance(name, candidate), candidate))

@@ -160,4 +160,10 @@ impl Scene {
     pub fn fault(&self, span: Span, text: impl Into<String>, help: Option<String>) -> SceneFault {
         self.sources.fault(span, text, help)
     }
+
+    /// A fault of this scene that stands nowhere in it: something that is missing.
+    pub fn fault_of_file(&self, text: impl Into<String>) -> SceneFault {
+        let SceneFault { file, text, .. } = self.sources.fault(Span::default(), text, None);
+        SceneFault::of_file(file, text)
+    }
 }

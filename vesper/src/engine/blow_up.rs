@@ -89,6 +89,8 @@ impl<P: Scalar> Engine<P> {
             }
         }
         self.steps = steps;
+        let time = P::from_f64(self.time());
+        self.state.set_time(time);
         self.integrator.restart();
     }
 

@@ -4,7 +4,7 @@ use super::{Clock, Engine};
 use crate::backend::{Compile, Compiled};
 use crate::column::Values;
 use crate::domain::{AsProperty, Domain, SCENE};
-use crate::error::{Fault, Faults};
+use crate::error::{Fault, Faults, nearest};
 use crate::field::Field;
 use crate::integrate::{Integrator, Leapfrog};
 use crate::pipeline::{Chain, Chained, Listed, Machine, Pipeline};
@@ -138,6 +138,7 @@ pub struct Builder<P: Scalar> {
     integrator: Box<dyn Integrator>,
     step: Option<f64>,
     observe: Vec<(String, String)>,
+    required: Vec<String>,
     strict: bool,
     backend: Backend,
     threads: Option<usize>,
@@ -162,6 +163,7 @@ impl<P: Scalar> Default for Builder<P> {
             integrator: Box::new(Leapfrog::default()),
             step: None,
             observe: Vec::new(),
+            required: Vec::new(),
             strict: false,
             backend: Backend::Auto,
             threads: None,
@@ -259,12 +261,10 @@ impl<P: Scalar> Builder<P> {
         self
     }
 
-    /// Makes dormancy of law `name` (or of that label) a fault.
+    /// Makes dormancy of the law of this label, or else this name, a fault.
     #[must_use]
     pub fn require(mut self, name: &str) -> Self {
-        for law in self.laws.iter_mut().filter(|law| law.entry.label() == name) {
-            law.entry.options.required = true;
-        }
+        self.required.push(name.to_owned());
         self
     }
 
@@ -293,7 +293,7 @@ impl<P: Scalar> Builder<P> {
     /// Checks everything, orders the laws, and makes the engine.
     ///
     /// # Errors
-    /// All that is wrong with the data, and, if the data are right, all that is wrong with the laws.
+    /// All that is wrong with the data and the settings; if the data are right, all that is wrong with the laws too.
     pub fn build(mut self) -> Result<Engine<P>, Faults> {
         let mut faults = Vec::new();
         if let Some(step) = self.step.filter(|step| !(*step > 0.0 && step.is_finite())) {
@@ -308,15 +308,17 @@ impl<P: Scalar> Builder<P> {
             }
         }
         faults.dedup();
-        let machine = machine(self.threads, self.isa).map_err(|fault| faults.push(fault)).ok();
-        let domains = self.domains.into_iter().chain([self.constants]);
-        let state = State::new(domains, self.fields);
-        let (mut state, machine) = match (state, machine) {
-            (Ok(state), Some(machine)) if faults.is_empty() => (state, machine),
-            (state, _) => {
-                faults.extend(state.err().iter().flat_map(|more| more.iter().cloned()));
-                return Faults::unless_empty(faults, ()).and_then(|()| Err(Fault::Threads.into()));
+        for name in &self.required {
+            let missing = no_law(name, &self.laws);
+            let laws = self.laws.iter_mut().filter(|law| law.entry.label() == name);
+            if laws.map(|law| law.entry.options.required = true).count() == 0 {
+                faults.push(missing);
             }
+        }
+        let machine = machine(self.threads, self.isa, &mut faults);
+        let mut state = match State::new(self.domains.into_iter().chain([self.constants]), self.fields) {
+            Ok(state) => state,
+            Err(more) => return Err(more.after(faults)),
         };
         let pipeline = Pipeline::new(
             &self.laws,
@@ -326,7 +328,11 @@ impl<P: Scalar> Builder<P> {
             &self.observe,
             self.strict,
             &machine,
-        )?;
+        );
+        let pipeline = match pipeline {
+            Ok(pipeline) => Faults::unless_empty(faults, pipeline)?,
+            Err(more) => return Err(more.after(faults)),
+        };
         log_changes(&Report::default(), &pipeline.registry.report);
         let time = state.time().to_f64();
         Ok(Engine {
@@ -350,29 +356,28 @@ impl<P: Scalar> Builder<P> {
     }
 }
 
-fn machine(threads: Option<usize>, isa: Option<Isa>) -> Result<Machine, Fault> {
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+/// A fault for a name that no listed law has.
+pub(super) fn no_law<P: Scalar>(name: &str, laws: &[Listed<P>]) -> Fault {
+    let labels = laws.iter().map(|law| law.entry.label());
+    Fault::NoLaw { law: name.to_owned(), nearest: nearest(name, labels) }
+}
+
+fn machine(threads: Option<usize>, isa: Option<Isa>, faults: &mut Vec<Fault>) -> Machine {
     let isa = isa.unwrap_or_else(Isa::detect);
+    if threads == Some(0) {
+        faults.push(Fault::Threads);
+    }
     #[cfg(feature = "parallel")]
     {
-        let pool = match threads {
-            Some(0) => return Err(Fault::Threads),
-            None => None,
-            Some(count) => {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
-                Some(Arc::new(pool.map_err(|error| Fault::ThreadPool { reason: error.to_string() })?))
-            }
-        };
-        Ok(Machine { isa, threads: threads.unwrap_or_else(cores), pool, probe: None })
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        let pool = threads.filter(|count| *count > 0).and_then(|count| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
+            pool.map_err(|error| faults.push(Fault::ThreadPool { reason: error.to_string() })).ok()
+        });
+        Machine { isa, threads: threads.unwrap_or_else(cores), pool: pool.map(Arc::new), probe: None }
     }
     #[cfg(not(feature = "parallel"))]
-    {
-        if threads == Some(0) {
-            return Err(Fault::Threads);
-        }
-        let _ = cores;
-        Ok(Machine { isa, threads: 1, probe: None })
-    }
+    Machine { isa, threads: 1, probe: None }
 }
 
 /// Logs, once, every law that falls asleep, and every one that wakes.

@@ -1,9 +1,13 @@
 //! The complete state of a run as plain data: stop, save, load, go on, the same bits.
 
 use super::{Clock, Engine};
-use crate::column::{Aligned, Storage};
+use crate::column::{Aligned, Column, Storage};
+use crate::domain::SCENE;
 use crate::error::{Fault, Faults};
+use crate::law::Mode;
 use crate::real::Scalar;
+use crate::registry::Tie;
+use crate::state::State;
 
 /// Everything that decides how a run goes on, as plain data; whoever saves it chooses the format.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +47,8 @@ pub struct DomainData {
     pub rows: usize,
     /// Its given columns.
     pub columns: Vec<ColumnData>,
+    /// Results of the last evaluation that laws look back at, `reads(previous ...)`.
+    pub previous: Vec<ColumnData>,
 }
 
 /// One column of a checkpoint.
@@ -72,7 +78,7 @@ impl<P: Scalar> Engine<P> {
             clock: (self.clock.time, self.clock.since, self.clock.step),
             evaluations: self.evaluations,
             remembers: self.integrator.memory() && !self.touched && !self.stale,
-            domains: self.state.domains().iter().map(domain_data).collect(),
+            domains: (0..self.state.domains().len()).map(|domain| self.domain_data(domain)).collect(),
             registers: vectors.registers.iter().map(|register| register.iter().map(numbers).collect()).collect(),
             held: vectors
                 .held
@@ -105,28 +111,27 @@ impl<P: Scalar> Engine<P> {
         {
             return Err(misfit("its clock makes no sense".to_owned()));
         }
-        let mut state = self.state.clone();
-        for data in &checkpoint.domains {
-            let place = state.domain_index(&data.name).ok_or_else(|| misfit(format!("no domain {}", data.name)))?;
-            let domain = &mut state.domains[place];
-            domain.columns.retain(|column| column.given);
-            domain.rows = data.rows;
-            if domain.columns.len() != data.columns.len() {
-                return Err(misfit(format!("domain {} has other columns", data.name)));
-            }
-            for column in &data.columns {
-                let at = domain.find(&column.property);
-                let at = at.ok_or_else(|| misfit(format!("no property {}.{}", data.name, column.property)))?;
-                fill(&mut domain.columns[at], column, data.rows)
-                    .map_err(|reason| misfit(format!("{}.{} {reason}", data.name, column.property)))?;
-            }
-        }
-        state.changed_layout();
+        let state = restored(&self.state, checkpoint).map_err(misfit)?;
         let before = core::mem::replace(&mut self.state, state);
         if let Err(faults) = self.rebuild() {
             self.state = before;
             self.stale = true;
             return Err(faults);
+        }
+        // The client's memory, and what only laws make, come last, when nothing can go wrong any more.
+        for data in &checkpoint.domains {
+            let Some(place) = self.state.domain_index(&data.name) else { continue };
+            let domain = &mut self.state.domains[place];
+            for column in data.columns.iter().chain(&data.previous) {
+                let Some(at) = domain.find(&column.property) else { continue };
+                let to = &mut domain.columns[at];
+                let width = to.info.kind.width();
+                if !to.given || matches!(to.storage, Storage::Lent(_)) {
+                    for (k, value) in column.numbers.iter().enumerate().take(to.len() * width) {
+                        to.set_number(k / width, k % width, P::from_f64(*value));
+                    }
+                }
+            }
         }
         self.clock = Clock { time: since_time, since, step };
         self.steps = checkpoint.steps;
@@ -149,26 +154,79 @@ impl<P: Scalar> Engine<P> {
         }
         Ok(())
     }
-}
 
-fn domain_data<P: Scalar>(domain: &crate::state::DomainState<P>) -> DomainData {
-    let columns = domain.columns().iter().filter(|column| column.is_given()).map(|column| {
-        let links = column.links().map_or(Vec::new(), |(_, _, rows)| rows.to_vec());
-        let width = column.property().kind.width();
-        let count = if links.is_empty() { column.len() * width } else { 0 };
-        ColumnData {
-            property: column.property().name.to_owned(),
-            subset: column.subset().map(<[u32]>::to_vec),
-            numbers: (0..count).map(|k| column.number(k / width, k % width).to_f64()).collect(),
-            links,
+    fn domain_data(&self, index: usize) -> DomainData {
+        let domain = &self.state.domains()[index];
+        let registry = &self.pipeline.registry;
+        let looked_back_at = |column: &&Column<P>| {
+            let Some(id) = registry.find(index, column.info.name) else { return false };
+            registry.seats.iter().any(|seat| {
+                let ports = self.pipeline.entries[seat.law].signature.ports.iter().zip(&seat.ties);
+                ports.into_iter().any(|(port, tie)| port.mode == Mode::Previous && *tie == Tie::Quantity(id))
+            })
+        };
+        let given = domain.columns().iter().filter(|column| column.is_given());
+        let computed = domain.columns().iter().filter(|column| !column.is_given()).filter(looked_back_at);
+        DomainData {
+            name: domain.name().to_owned(),
+            rows: domain.rows(),
+            columns: given.map(column_data).collect(),
+            previous: computed.map(column_data).collect(),
         }
-    });
-    DomainData { name: domain.name().to_owned(), rows: domain.rows(), columns: columns.collect() }
+    }
 }
 
-fn fill<P: Scalar>(column: &mut crate::column::Column<P>, data: &ColumnData, rows: usize) -> Result<(), &'static str> {
+fn column_data<P: Scalar>(column: &Column<P>) -> ColumnData {
+    let links = column.links().map_or(Vec::new(), |(_, _, rows)| rows.to_vec());
+    let width = column.property().kind.width();
+    let count = if column.links().is_some() { 0 } else { column.len() * width };
+    ColumnData {
+        property: column.property().name.to_owned(),
+        subset: column.subset().map(<[u32]>::to_vec),
+        numbers: (0..count).map(|k| column.number(k / width, k % width).to_f64()).collect(),
+        links,
+    }
+}
+
+/// The state with the given columns of a checkpoint, but for lent memory, which is left as it is; or why they do not
+/// fit.
+fn restored<P: Scalar>(state: &State<P>, checkpoint: &Checkpoint) -> Result<State<P>, String> {
+    let mut state = state.clone();
+    if checkpoint.domains.len() != state.domains.len() {
+        return Err(format!("it has {} domains, the engine {}", checkpoint.domains.len(), state.domains.len()));
+    }
+    for domain in &mut state.domains {
+        let data = checkpoint.domains.iter().find(|data| data.name == domain.name);
+        let data = data.ok_or_else(|| format!("it lacks domain {}", domain.name))?;
+        domain.columns.retain(|column| column.given);
+        domain.rows = data.rows;
+        if domain.columns.len() != data.columns.len() || domain.name == SCENE && data.rows != 1 {
+            return Err(format!("domain {} has other columns or rows", data.name));
+        }
+        for column in &mut domain.columns {
+            let values = data.columns.iter().find(|values| values.property == column.info.name);
+            let values = values.ok_or_else(|| format!("it lacks {}.{}", data.name, column.info.name))?;
+            fill(column, values, &checkpoint.domains, data.rows)
+                .map_err(|reason| format!("{}.{} {reason}", data.name, column.info.name))?;
+        }
+    }
+    state.changed_layout();
+    Ok(state)
+}
+
+fn fill<P: Scalar>(
+    column: &mut Column<P>,
+    data: &ColumnData,
+    domains: &[DomainData],
+    rows: usize,
+) -> Result<(), &'static str> {
     let width = column.info.kind.width();
     let expected = data.subset.as_ref().map_or(rows, Vec::len);
+    if let Some(subset) = &data.subset
+        && !(subset.is_sorted_by(|one, next| one < next) && subset.last().is_none_or(|&last| (last as usize) < rows))
+    {
+        return Err("has values for rows that do not exist, or not in their order");
+    }
     match &mut column.storage {
         Storage::Split(components) => {
             if data.numbers.len() != expected * width {
@@ -183,17 +241,19 @@ fn fill<P: Scalar>(column: &mut crate::column::Column<P>, data: &ColumnData, row
                 }
             }
         }
+        Storage::Lent(memory) if memory.busy(true) => return Err("is borrowed by the client: let go of it first"),
         Storage::Lent(memory) => {
-            if data.numbers.len() != memory.rows() * width {
+            if data.numbers.len() != memory.rows() * width || expected != memory.rows() {
                 return Err("is the client's memory, with another number of rows");
             }
-            for (k, value) in data.numbers.iter().enumerate() {
-                memory.set(k / width, k % width, P::from_f64(*value));
-            }
         }
-        Storage::Link { rows: links, .. } => {
-            if data.links.len() != expected * width {
+        Storage::Link { target, arity, rows: links } => {
+            let target = domains.iter().find(|domain| domain.name == *target).map_or(0, |domain| domain.rows);
+            if data.links.len() != rows * *arity || data.subset.is_some() {
                 return Err("has another number of links");
+            }
+            if data.links.iter().any(|&end| end as usize >= target) {
+                return Err("links to rows that do not exist");
             }
             links.clone_from(&data.links);
         }

@@ -10,7 +10,7 @@ mod checkpoint;
 pub use build::{Builder, Listing, Place, Placed};
 pub use checkpoint::{Checkpoint, ColumnData, DomainData};
 
-use crate::error::{Fault, Faults, nearest};
+use crate::error::{Fault, Faults};
 use crate::integrate::{Integrator, System};
 use crate::pipeline::{FusedChain, Key, Listed, Machine, Pipeline, Probe, Runner, borrowed, lent_columns};
 use crate::real::Scalar;
@@ -126,7 +126,9 @@ impl<P: Scalar> Engine<P> {
             self.clock = Clock { time: self.time(), since: self.steps, step };
         }
         if self.pipeline.is_idle() {
-            self.steps += count;
+            self.steps = self.steps.saturating_add(count);
+            let time = P::from_f64(self.time());
+            self.state.set_time(time);
             return Ok(());
         }
         let (clock, first) = (self.clock, self.steps);
@@ -167,6 +169,10 @@ impl<P: Scalar> Engine<P> {
             self.rebuild()?;
         }
         if self.touched {
+            if self.state.time() != P::from_f64(self.time()) {
+                // The client set the clock.
+                self.clock = Clock { time: self.state.time().to_f64(), since: self.steps, ..self.clock };
+            }
             self.integrator.restart();
             self.touched = false;
         }
@@ -222,7 +228,7 @@ impl<P: Scalar> Engine<P> {
         &self.state
     }
 
-    /// The data, to change: values, rows, columns, constants, fields. Laws follow at the next step.
+    /// The data, to change: values, rows, columns, constants, fields, the time. Laws follow at the next step.
     pub fn state_mut(&mut self) -> &mut State<P> {
         self.touched = true;
         &mut self.state
@@ -247,8 +253,7 @@ impl<P: Scalar> Engine<P> {
     /// # Errors
     /// No law has this label.
     pub fn enable(&mut self, law: &str, enabled: bool) -> Result<(), Fault> {
-        let labels = self.laws.iter().map(|law| law.entry.label());
-        let missing = Fault::NoLaw { law: law.to_owned(), nearest: nearest(law, labels) };
+        let missing = build::no_law(law, &self.laws);
         let mut found = false;
         for listed in self.laws.iter_mut().filter(|listed| listed.entry.label() == law) {
             self.stale |= listed.entry.options.enabled != enabled;
@@ -367,7 +372,7 @@ fn hold<P: Scalar>(
                 property: column.property().name.to_owned(),
                 given: rows,
                 expected: domain.rows,
-                expected_by: "the rows added and removed through the state".to_owned(),
+                expected_by: "as added and removed through the state".to_owned(),
             }
             .into());
             return;

@@ -34,10 +34,10 @@ pub(super) fn path<P: Scalar>(
             format!(
                 "{} {} {}, which {} {}",
                 label(edge.from),
-                edge.from_mode.word(),
+                edge.from_mode.does(),
                 registry.name(edge.quantity, state),
                 label(edge.to),
-                edge.to_mode.word()
+                edge.to_mode.does()
             )
         })
         .collect()

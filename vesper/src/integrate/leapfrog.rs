@@ -50,7 +50,7 @@ impl Integrator for Leapfrog {
 
     fn remark(&self, structure: &Structure) -> Option<String> {
         structure.momenta_depend_on_momenta.then(|| {
-            "a force depends on a velocity: the second kick is predicted and evaluated again, two evaluations per step"
+            "a rate of momentum depends on momentum: the second kick is predicted and evaluated again, two evaluations per step"
                 .to_owned()
         })
     }

@@ -26,6 +26,18 @@ impl Mode {
         matches!(self, Mode::Reads | Mode::Previous)
     }
 
+    /// What the law does to a property, in a sentence.
+    pub const fn does(self) -> &'static str {
+        match self {
+            Mode::Reads => "reads",
+            Mode::Previous => "reads the previous",
+            Mode::Sets => "sets",
+            Mode::Adds => "adds to",
+            Mode::Rates => "gives the rate of",
+            Mode::Amends => "amends",
+        }
+    }
+
     /// The word of the declaration.
     pub const fn word(self) -> &'static str {
         match self {

@@ -23,7 +23,7 @@ pub(super) fn entries(entries: &[Entry]) -> Vec<Fault> {
         for port in entry.signature.ports {
             let fault = |allowed: &str| Fault::Shape {
                 law: law(),
-                does: port.mode.word().to_owned(),
+                does: port.mode.does().to_owned(),
                 property: port.property.name.to_owned(),
                 shape: entry.shape.word().to_owned(),
                 allowed: allowed.to_owned(),
@@ -43,11 +43,12 @@ pub(super) fn entries(entries: &[Entry]) -> Vec<Fault> {
                 }
                 _ => {}
             }
-            if every > 1 && !port.mode.is_input() && port.mode != Mode::Adds {
+            let known = faults.iter().any(|fault| matches!(fault, Fault::EveryOutput { law, .. } if law == entry.label()));
+            if every > 1 && !port.mode.is_input() && port.mode != Mode::Adds && !known {
                 faults.push(Fault::EveryOutput {
                     law: law(),
                     every,
-                    does: port.mode.word().to_owned(),
+                    does: port.mode.does().to_owned(),
                     property: port.property.name.to_owned(),
                 });
             }
@@ -133,6 +134,8 @@ pub(super) fn seats<P: Scalar>(entries: &[Entry], registry: &Registry, state: &S
         .flat_map(|seat| {
             let entry = &entries[seat.law];
             entry.signature.ports.iter().zip(&seat.ties).filter_map(move |(port, tie)| match tie {
+                // Adding to what is no sum is a fault of its own.
+                _ if port.mode == Mode::Adds && !matches!(port.property.role, Role::Sum { .. }) => None,
                 Tie::Quantity(id) if !port.mode.is_input() => Some((entry.label(), port, *id)),
                 _ => None,
             })
@@ -151,19 +154,19 @@ pub(super) fn seats<P: Scalar>(entries: &[Entry], registry: &Registry, state: &S
                     law: two.0,
                     property: name(),
                     other: two.1,
-                    does: mode.word().to_owned(),
+                    does: mode.does().to_owned(),
                 }),
                 (mode, Mode::Rates) if computes(mode) => faults.push(Fault::RateOfComputed {
                     law: two.1,
                     property: name(),
                     other: two.0,
-                    does: mode.word().to_owned(),
+                    does: mode.does().to_owned(),
                 }),
                 _ => {}
             }
         }
         if computes(port.mode) && registry.quantities[*id].given {
-            faults.push(Fault::SetGiven { law: law.to_string(), property: name() });
+            faults.push(Fault::SetGiven { law: law.to_string(), does: port.mode.does().to_owned(), property: name() });
         }
     }
 }

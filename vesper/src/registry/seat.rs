@@ -206,7 +206,7 @@ fn missing_of<P: Scalar>(law: usize, entries: &[Entry], placed: &Placed, state: 
             Place::Field => {
                 if !state.fields.iter().any(|(field, _)| field.name == port.property.name) {
                     missing.push(Missing {
-                        does: port.mode.word().to_owned(),
+                        does: port.mode.does().to_owned(),
                         property: port.property.described(),
                         place: "the list of fields".to_owned(),
                         nearest: nearest(port.property.name, state.fields.iter().map(|(field, _)| field.name)),
@@ -222,8 +222,9 @@ fn missing_of<P: Scalar>(law: usize, entries: &[Entry], placed: &Placed, state: 
         } else {
             given(state, on, port.property.name).is_some() || placed.provided.contains(&(on, port.property.name))
         };
-        if !there {
-            missing.push(lack(port.mode.word(), &port.property, on, law, entries, placed, state));
+        let known = missing.iter().any(|known: &Missing| known.property == port.property.described());
+        if !there && !known {
+            missing.push(lack(port.mode.does(), &port.property, on, law, entries, placed, state));
         }
     }
     missing
@@ -238,10 +239,6 @@ fn lack<P: Scalar>(
     placed: &Placed,
     state: &State<P>,
 ) -> Missing {
-    let does = match does {
-        "rates" => "gives the rate of",
-        word => word,
-    };
     let starved_by = (0..entries.len())
         .filter(|&other| other != law && entries[other].options.enabled && !placed.awake[other])
         .filter(|&other| {

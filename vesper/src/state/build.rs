@@ -100,13 +100,16 @@ impl<P: Scalar> State<P> {
 /// The number of rows, and what says so: the statement, or else the first column that has a value for every row.
 fn rows_of<P: Scalar>(domain: &Domain<P>) -> (usize, String) {
     if let Some(rows) = domain.rows {
-        return (rows, "its own statement".to_owned());
+        let by = if domain.name == SCENE { "one value of each constant" } else { "as stated" };
+        return (rows, by.to_owned());
     }
     domain
         .columns
         .iter()
         .find(|column| column.subset.is_none())
-        .map_or((0, "no column".to_owned()), |column| (values_in(column), column.info.name.to_owned()))
+        .map_or((0, "for no column counts them".to_owned()), |column| {
+            (values_in(column), format!("counted by {}", column.info.name))
+        })
 }
 
 fn values_in<P: Scalar>(column: &Given<P>) -> usize {
@@ -151,12 +154,10 @@ impl Check<'_> {
         let subset = column.subset.as_ref().filter(|_| self.domain != SCENE);
         let expected = subset.map_or(self.rows, Vec::len);
         if faults.len() == before && given != expected {
-            faults.push(Fault::Length {
-                domain: self.domain.to_owned(),
-                property: column.info.name.to_owned(),
-                given,
-                expected,
-                expected_by: if subset.is_some() { "the rows of the subset" } else { self.by }.to_owned(),
+            let (domain, property) = (self.domain.to_owned(), column.info.name.to_owned());
+            faults.push(match subset {
+                Some(_) => Fault::SubsetLength { domain, property, given, expected },
+                None => Fault::Length { domain, property, given, expected, expected_by: self.by.to_owned() },
             });
         }
         let order = self.subset(&column, faults);
@@ -194,13 +195,18 @@ impl Check<'_> {
     fn kind<P: Scalar>(&self, column: &Given<P>, faults: &mut Vec<Fault>) {
         let expected = column.info.kind;
         let is_link = matches!(expected, Kind::Link(_));
+        if expected == Kind::Link(0) {
+            let (domain, property) = (self.domain.to_owned(), column.info.name.to_owned());
+            faults.push(Fault::LinkToNone { domain, property });
+            return;
+        }
         let given = match &column.values {
             GivenValues::Numbers(values) if is_link || values.width != expected.width() => per_row(values.width),
             GivenValues::Numbers(values) if values.numbers.len() % values.width != 0 => {
                 format!("{} numbers in all", values.numbers.len())
             }
             GivenValues::Lent(memory) if is_link || memory.width() != expected.width() => per_row(memory.width()),
-            GivenValues::Links { arity, .. } if expected != Kind::Link(*arity) || *arity == 0 => {
+            GivenValues::Links { arity, .. } if expected != Kind::Link(*arity) => {
                 format!("a {}", Kind::Link(*arity))
             }
             GivenValues::Links { arity, rows, .. } if rows.len() % arity != 0 => format!("{} rows in all", rows.len()),
@@ -210,9 +216,8 @@ impl Check<'_> {
             domain: self.domain.to_owned(),
             property: column.info.name.to_owned(),
             expected: expected.to_string(),
-            given,
+            given: format!("given as {given}"),
             mend: match expected {
-                Kind::Link(0) => "it a property that links to at least one row".to_owned(),
                 Kind::Link(arity) => format!("{arity} rows of a domain for each row, `.link(..)`"),
                 _ => per_row(expected.width()),
             },

@@ -203,6 +203,9 @@ impl<P: Scalar> State<P> {
     pub fn remove_column(&mut self, domain: &str, property: impl AsProperty) -> Result<(), Fault> {
         let name = property.info().name;
         self.column(domain, name)?;
+        if domain == Self::scene_name() && name == crate::property::Time.info().name {
+            return Err(Fault::SceneRow { mend: "its time stays, set it to another value".to_owned() });
+        }
         if let Some(index) = self.domain_index(domain) {
             self.domains[index].columns.retain(|column| column.info.name != name);
         }

@@ -153,7 +153,7 @@ impl<P: Scalar> State<P> {
             domain: domain.to_owned(),
             property: property.name.to_owned(),
             expected: column.info.kind.to_string(),
-            given: format!("a {}", property.kind),
+            given: format!("asked for as a {}", property.kind),
             mend: "the property that the column was made with".to_owned(),
         })
     }
@@ -227,6 +227,12 @@ impl<P: Scalar> State<P> {
     /// The time of the state, in s.
     pub fn time(&self) -> P {
         self.scene_number(Time::NAME)
+    }
+
+    pub(crate) fn set_time(&mut self, time: P) {
+        if let Some(column) = self.domains[0].columns.iter_mut().find(|column| column.info.name == Time::NAME) {
+            column.set_number(0, 0, time);
+        }
     }
 
     fn scene_number(&self, property: &str) -> P {

@@ -1,0 +1,114 @@
+//! The bodies that are moved, from a fixed seed, and the laws that move them.
+
+use crate::Random;
+use vesper::prelude::*;
+
+/// Acceleration of free fall, in m/s^2.
+pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.8125];
+/// Electric field, in V/m.
+pub const ELECTRIC: [f64; 3] = [0.5, -0.25, 2.0];
+/// Magnetic flux density, in T.
+pub const MAGNETIC: [f64; 3] = [0.25, 0.5, 1.0];
+/// Step of the row laws, in s.
+pub const STEP: f64 = 1.0 / 1024.0;
+
+/// Charged bodies in a viscous medium; one in 64 is immovable.
+#[derive(Clone, Debug, Default)]
+pub struct Bodies {
+    /// Places, in m.
+    pub position: Vec<[f64; 3]>,
+    /// Velocities, in m/s.
+    pub velocity: Vec<[f64; 3]>,
+    /// Masses, in kg.
+    pub mass: Vec<f64>,
+    /// Charges, in C.
+    pub charge: Vec<f64>,
+    /// Coefficients of drag, in kg/s.
+    pub drag: Vec<f64>,
+}
+
+impl Bodies {
+    /// `count` bodies in a cube of 20 m.
+    pub fn new(count: usize) -> Self {
+        let mut random = Random::new(1);
+        let mut bodies = Bodies::default();
+        for row in 0..count {
+            bodies.position.push(random.vector(-10.0, 10.0));
+            bodies.velocity.push(random.vector(-1.0, 1.0));
+            bodies.mass.push(if row % 64 == 63 { 0.0 } else { random.between(1.0, 2.0) });
+            bodies.charge.push(random.between(-1.0, 1.0));
+            bodies.drag.push(random.between(0.25, 0.75));
+        }
+        bodies
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.mass.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.mass.is_empty()
+    }
+
+    /// With all columns.
+    pub fn domain<P: Precision>(&self) -> Domain<P> {
+        self.moving().with(Charge, &self.charge).with(DragCoefficient, &self.drag)
+    }
+
+    /// With place, velocity and mass.
+    pub fn moving<P: Precision>(&self) -> Domain<P> {
+        Domain::new("bodies").with(Position, &self.position).with(Velocity, &self.velocity).with(Mass, &self.mass)
+    }
+}
+
+/// Bodies on a cubic lattice with springs between neighbours, a little off their places.
+#[derive(Clone, Debug, Default)]
+pub struct Lattice {
+    /// The bodies; those of the lowest layer are immovable.
+    pub bodies: Bodies,
+    /// The two bodies of each spring.
+    pub ends: Vec<[u32; 2]>,
+    /// Stiffnesses, in N/m.
+    pub stiffness: Vec<f64>,
+    /// Coefficients of damping, in N s/m.
+    pub damping: Vec<f64>,
+    /// Lengths at ease, in m.
+    pub rest_length: Vec<f64>,
+}
+
+impl Lattice {
+    /// `edge` bodies to an edge, one metre apart, and the first `springs` of the springs between neighbours.
+    pub fn new(edge: u32, springs: usize) -> Self {
+        let mut random = Random::new(2);
+        let mut lattice = Lattice::default();
+        let number = |x, y, z| (z * edge + y) * edge + x;
+        let places = || (0..edge).flat_map(move |z| (0..edge).flat_map(move |y| (0..edge).map(move |x| [x, y, z])));
+        for [x, y, z] in places() {
+            let off = random.vector(-0.125, 0.125);
+            lattice.bodies.position.push([f64::from(x) + off[0], f64::from(y) + off[1], f64::from(z) + off[2]]);
+            lattice.bodies.velocity.push([0.0; 3]);
+            lattice.bodies.mass.push(if z == 0 { 0.0 } else { 1.0 });
+            let next = [[x + 1, y, z], [x, y + 1, z], [x, y, z + 1]];
+            for [a, b, c] in next.into_iter().filter(|next| next.iter().all(|&place| place < edge)) {
+                lattice.ends.push([number(x, y, z), number(a, b, c)]);
+            }
+        }
+        lattice.ends.truncate(springs);
+        let springs = lattice.ends.len();
+        lattice.stiffness = (0..springs).map(|_| random.between(500.0, 1000.0)).collect();
+        lattice.damping = (0..springs).map(|_| random.between(0.5, 1.0)).collect();
+        lattice.rest_length = vec![1.0; springs];
+        lattice
+    }
+
+    /// The domain of the springs.
+    pub fn springs<P: Precision>(&self) -> Domain<P> {
+        Domain::new("springs")
+            .link(Ends, "bodies", self.ends.iter().copied())
+            .with(Stiffness, &self.stiffness)
+            .with(Damping, &self.damping)
+            .with(RestLength, &self.rest_length)
+    }
+}

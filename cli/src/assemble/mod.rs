@@ -1,0 +1,294 @@
+//! From a scene to an engine, or to everything that is wrong with it.
+//!
+//! In: a [`Scene`], which knows no property and no law. Out: an [`Engine`] in either precision, or [`SceneFault`]s at
+//! their places: what the scene's names do not mean, and what the library finds wrong with the rest. Never: a step.
+
+pub mod integrators;
+mod laws;
+mod places;
+pub mod properties;
+
+use vesper::field;
+use vesper::prelude::*;
+use vesper::registry::Backend;
+use vesper_laws::catalog::CatalogPrecision;
+
+use crate::fault::{SceneFault, Span, Spanned, help_for};
+use crate::scene::{BackendChoice, ColumnData, DomainData, FieldData, FieldShape, Parameter, Scene};
+use laws::factor;
+
+/// More threads than this are a slip of the finger.
+const MOST_THREADS: usize = 1024;
+
+/// The engine of a scene, at the scene's start.
+///
+/// # Errors
+/// Everything that is wrong with the scene, in the order of its text.
+pub fn engine<P: CatalogPrecision>(scene: &Scene) -> Result<Engine<P>, Vec<SceneFault>> {
+    let mut notes = Notes { scene, faults: Vec::new() };
+    let mut builder = Engine::<P>::builder();
+    let mut constants = Domain::new(vesper::domain::SCENE);
+    for constant in &scene.constants {
+        constants = notes.constant(constants, constant);
+    }
+    builder = builder.domain(constants);
+    for data in &scene.domains {
+        let mut domain = Domain::new(&data.name.value);
+        if let Some(rows) = data.rows() {
+            domain = domain.rows(rows);
+        }
+        for column in &data.columns {
+            domain = notes.column(domain, data, column);
+        }
+        builder = builder.domain(domain);
+    }
+    for data in &scene.fields {
+        builder = notes.field(builder, data);
+    }
+    let mut lost_laws = false;
+    for request in &scene.laws {
+        match laws::law::<P>(&mut notes, request) {
+            Some((compiled, options)) => builder = builder.listed(compiled, options),
+            None => lost_laws = true,
+        }
+    }
+    builder = notes.settings(builder);
+    let before = notes.count();
+    let built = builder.build();
+    for fault in built.as_ref().err().into_iter().flatten() {
+        if !(lost_laws && places::may_follow_from_lost_laws(fault)) {
+            notes.library_fault(fault);
+        }
+    }
+    match built {
+        Ok(engine) if before == 0 => Ok(engine),
+        // The library refuses with at least one fault, or a law was lost with one.
+        Ok(_) | Err(_) => Err(notes.into_faults()),
+    }
+}
+
+/// Faults of a running engine, in the scene's words.
+pub fn run_faults(scene: &Scene, faults: &Faults) -> Vec<SceneFault> {
+    let mut notes = Notes { scene, faults: Vec::new() };
+    faults.iter().for_each(|fault| notes.library_fault(fault));
+    notes.into_faults()
+}
+
+/// The faults found so far.
+struct Notes<'s> {
+    scene: &'s Scene,
+    faults: Vec<(Span, SceneFault)>,
+}
+
+impl Notes<'_> {
+    fn fault(&mut self, span: Span, text: impl Into<String>, help: Option<String>) {
+        let fault = self.scene.fault(span, text, help);
+        self.faults.push((span, fault));
+    }
+
+    fn wrong<T>(&mut self, span: Span, text: impl Into<String>) -> Option<T> {
+        self.fault(span, text, None);
+        None
+    }
+
+    fn count(&self) -> usize {
+        self.faults.len()
+    }
+
+    fn library_fault(&mut self, fault: &Fault) {
+        match places::placed(self.scene, fault) {
+            (Some(span), text, help) => self.fault(span, text, help),
+            (None, text, help) => {
+                let fault = SceneFault { help, ..self.scene.fault_of_file(text) };
+                self.faults.push((Span { start: usize::MAX, end: usize::MAX }, fault));
+            }
+        }
+    }
+
+    /// The faults by their places; of several at one place that say the same, one.
+    fn into_faults(mut self) -> Vec<SceneFault> {
+        self.faults.sort_by_key(|(span, _)| *span);
+        self.faults.dedup_by(|b, a| a == b);
+        self.faults.into_iter().map(|(_, fault)| fault).collect()
+    }
+
+    fn constant<P: CatalogPrecision>(&mut self, domain: Domain<P>, constant: &Parameter) -> Domain<P> {
+        let unit = constant.unit.as_ref().map(|unit| unit.value.as_str());
+        let width = constant.value.len();
+        match properties::known(&constant.name.value).map_or_else(|| properties::unknown(&constant.name.value, width, unit), Ok) {
+            Ok(property) => domain.with_column(property, unit, None, Values::new(width, constant.value.clone())),
+            Err(text) => {
+                self.fault(constant.value_span, text, None);
+                domain
+            }
+        }
+    }
+
+    fn column<P: CatalogPrecision>(&mut self, domain: Domain<P>, data: &DomainData, column: &ColumnData) -> Domain<P> {
+        let name = column.name.value.as_str();
+        let known = properties::known(name);
+        if let Some(target) = &column.link {
+            return self.link(domain, data, column, known, target);
+        }
+        if let Some(Kind::Link(_)) = known.map(|property| property.kind) {
+            let help = "write { domain = \"..\", value = [..] }".to_owned();
+            self.fault(column.span, format!("`{name}` names rows of a domain, and does not say of which"), Some(help));
+            return domain;
+        }
+        let unit = column.unit.as_ref().map(|unit| unit.value.as_str());
+        let property = match known.map_or_else(|| properties::unknown(name, column.width, unit), Ok) {
+            Ok(property) => property,
+            Err(text) => {
+                self.fault(column.row_span(0), text, None);
+                return domain;
+            }
+        };
+        // A column without rows fits any width.
+        let width = if column.values.is_empty() { property.kind.width() } else { column.width };
+        let rows = |subset: &Vec<Spanned<usize>>| -> Option<Vec<u32>> {
+            subset.iter().map(|row| u32::try_from(row.value).ok()).collect()
+        };
+        let subset = match column.subset.as_ref().map(|subset| rows(subset)) {
+            Some(None) => {
+                self.fault(column.span, format!("a row number is above {}", u32::MAX), None);
+                return domain;
+            }
+            Some(rows) => rows,
+            None => None,
+        };
+        domain.with_column(property, unit, subset, Values::new(width, column.values.clone()))
+    }
+
+    fn link<P: CatalogPrecision>(
+        &mut self,
+        domain: Domain<P>,
+        data: &DomainData,
+        column: &ColumnData,
+        known: Option<PropertyInfo>,
+        target: &Spanned<String>,
+    ) -> Domain<P> {
+        let name = column.name.value.as_str();
+        let property = match known.map_or_else(|| properties::unknown_link(name, column.width), Ok) {
+            Ok(property) => property,
+            Err(text) => {
+                self.fault(column.span, text, None);
+                return domain;
+            }
+        };
+        match property.kind {
+            Kind::Link(arity) if arity != column.width && column.rows > 0 => {
+                let text = format!("`{name}` names {arity} rows in each item, and here {}", column.width);
+                self.fault(column.row_span(0), text, None);
+                return domain;
+            }
+            Kind::Link(_) => {}
+            kind => {
+                self.fault(target.span, format!("`{name}` is a {kind}, which names no rows of a domain"), None);
+                return domain;
+            }
+        }
+        if column.subset.is_some() {
+            let text = format!("`{name}` needs rows for every row of `{}`", data.name.value);
+            self.fault(column.span, text, Some("leave `rows` out".to_owned()));
+            return domain;
+        }
+        // Rows are checked to exist when the scene is read, so each fits, and to be whole and not negative.
+        domain.with_link(property, &target.value, column.values.iter().map(|&row| row as u32).collect())
+    }
+
+    fn field<P: CatalogPrecision>(&mut self, builder: Builder<P>, data: &FieldData) -> Builder<P> {
+        let name = data.name.value.as_str();
+        let unit = data.unit.as_ref().map(|unit| unit.value.as_str());
+        let property = match properties::known(name).map_or_else(|| properties::unknown(name, 3, unit), Ok) {
+            Ok(property) => property,
+            Err(text) => {
+                self.fault(data.name.span, text, None);
+                return builder;
+            }
+        };
+        if property.kind != Kind::Vector {
+            let text = format!("`{name}` is a {}, and a field has a vector at every place", property.kind);
+            self.fault(data.name.span, text, None);
+            return builder;
+        }
+        let scale = data.unit.as_ref().map_or(1.0, |unit| factor(self, unit, property.unit));
+        let mut vector = |value: &[f64]| match *value {
+            [x, y, z] => [x * scale, y * scale, z * scale],
+            _ => {
+                self.fault(data.shape_span, format!("`{name}` is a vector: expected 3 numbers, found 1"), None);
+                [0.0; 3]
+            }
+        };
+        match &data.shape {
+            FieldShape::Uniform(value) => builder.field(property, field::Uniform { value: vector(value) }),
+            FieldShape::Boxes(boxes) => {
+                let one = |part: &crate::scene::FieldBox| field::FieldBox {
+                    min: part.min,
+                    max: part.max,
+                    value: vector(&part.value),
+                };
+                builder.field(property, field::Boxes { boxes: boxes.iter().map(one).collect() })
+            }
+            FieldShape::Point { at, strength } => {
+                builder.field(property, field::Point { at: *at, strength: strength * scale })
+            }
+            FieldShape::Dipole { at, moment } => {
+                builder.field(property, field::Dipole { at: *at, moment: moment.map(|component| component * scale) })
+            }
+        }
+    }
+
+    fn backend(&mut self, choice: Option<&Spanned<BackendChoice>>) -> Option<Backend> {
+        let Some(choice) = choice else { return Some(Backend::Auto) };
+        let backend = laws::backend(choice.value);
+        if backend.is_none() {
+            let help = "use auto, cpu or parallel".to_owned();
+            self.fault(choice.span, "this build has no GPU backend", Some(help));
+        }
+        backend
+    }
+
+    /// Integrator, step, backend, threads, strictness, observers.
+    fn settings<P: CatalogPrecision>(&mut self, mut builder: Builder<P>) -> Builder<P> {
+        let scene = self.scene;
+        let engine = &scene.engine;
+        if let Some(choice) = &engine.integrator {
+            let name = choice.name.value.as_str();
+            match integrators::integrator(name) {
+                Some(known) => builder = builder.boxed_integrator((known.make)()),
+                None => {
+                    let help = help_for(name, integrators::INTEGRATORS.iter().map(|known| known.name));
+                    self.fault(choice.name.span, format!("no integrator is named `{name}`"), help);
+                }
+            }
+            for option in choice.options.iter().filter(|_| integrators::integrator(name).is_some()) {
+                self.fault(option.name.span, format!("`{name}` has no option `{}`", option.name.value), None);
+            }
+        }
+        if let Some(step) = engine.step.as_ref().or(engine.frame.as_ref()) {
+            builder = builder.step(step.value);
+        }
+        if let Some(backend) = self.backend(engine.backend.as_ref()) {
+            builder = builder.backend(backend);
+        }
+        match &engine.threads {
+            Some(threads) if threads.value > MOST_THREADS => {
+                let text = format!("expected at most {MOST_THREADS} threads, found {}", threads.value);
+                self.fault(threads.span, text, None);
+            }
+            Some(threads) => builder = builder.threads(threads.value),
+            None => {}
+        }
+        if engine.strict.as_ref().is_some_and(|strict| strict.value) {
+            builder = builder.strict();
+        }
+        for entry in engine.observe.iter().flatten() {
+            let Some((domain, name)) = entry.value.split_once('.') else { continue };
+            match properties::known(name).map_or_else(|| properties::unknown(name, 1, None), Ok) {
+                Ok(property) => builder = builder.observe(domain, property),
+                Err(text) => self.fault(entry.span, text, None),
+            }
+        }
+        builder
+    }
+}

@@ -1,0 +1,176 @@
+//! The words of the command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Runs scenes of physics, and says what they are made of.
+#[derive(Parser, Debug)]
+#[command(
+    name = "vesper",
+    version,
+    after_help = "Examples:
+  vesper run examples/scenes/solar-system.toml
+  vesper explain examples/scenes/c5-spider-web.toml
+  vesper laws gravity
+
+Exit status: 0 done; 2 the scene or the arguments are wrong, and nothing was run or written;
+3 the run failed (a NaN, a step that cannot be taken), with the state up to then written."
+)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Runs a scene to its end, and says what came of it
+    #[command(after_help = "Examples:
+  vesper run examples/scenes/c7a-rest.toml
+  vesper run scene.toml --end 10 --step 1e-4 --integrator runge_kutta_4 --out results
+  vesper run scene.toml --set laws.gravity.softening=0.1 --set domains.springs.stiffness.0=30
+  vesper run scene.toml --json > result.json
+  vesper run scene.toml --end 20 --out more --resume results/checkpoint.json
+
+--out DIR writes a table for each domain (DOMAIN.csv), trajectories.svg, summary.json and checkpoint.json, all in SI.
+A path of --set is names between dots: engine.step, constants.gravity, laws.NAME.PARAMETER, domains.NAME.COLUMN.ROW.")]
+    Run(Run),
+    /// Prints the law graph of a scene: who runs, in which order, why, where, and who does not
+    #[command(after_help = "Examples:
+  vesper explain examples/scenes/solar-system.toml
+  vesper explain examples/scenes/c5-spider-web.toml --dot | dot -Tsvg > graph.svg")]
+    Explain(Explain),
+    /// Lists the stock laws, or prints one: equation, source, limits, what it touches, parameters
+    #[command(after_help = "Examples:
+  vesper laws
+  vesper laws gravity")]
+    Laws {
+        /// The law; all where none is named.
+        name: Option<String>,
+    },
+}
+
+/// A scene, and what is changed of it.
+#[derive(Args, Debug)]
+pub struct SceneArguments {
+    /// The scene file
+    pub scene: PathBuf,
+    /// Integrator: semi_implicit_euler, leapfrog, runge_kutta_4
+    #[arg(long, value_name = "NAME")]
+    pub integrator: Option<String>,
+    /// Number type of the state
+    #[arg(long, value_name = "f32|f64")]
+    pub precision: Option<PrecisionName>,
+    /// Where laws run that do not say
+    #[arg(long, value_name = "B")]
+    pub backend: Option<BackendName>,
+    /// Threads for parallel laws [default: all cores]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Sets one value of the scene, as in engine.step=1e-3; may be given many times
+    #[arg(long = "set", value_name = "PATH=VALUE", allow_hyphen_values = true)]
+    pub set: Vec<String>,
+}
+
+/// `vesper run`.
+#[derive(Args, Debug)]
+pub struct Run {
+    /// The scene and its changes.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Time to stop at, in s
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub end: Option<f64>,
+    /// Fixed step, in s
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub step: Option<f64>,
+    /// Folder for tables, picture, summary and checkpoint
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Write every N-th frame [default: so that at most 1000 frames are written]
+    #[arg(long, value_name = "N", requires = "out", value_parser = clap::value_parser!(u64).range(1..))]
+    pub every: Option<u64>,
+    /// Print one JSON object on standard output, and nothing else there
+    #[arg(long)]
+    pub json: bool,
+    /// No progress bar and no summary
+    #[arg(long)]
+    pub quiet: bool,
+    /// Go on from a checkpoint of the same scene
+    #[arg(long, value_name = "FILE")]
+    pub resume: Option<PathBuf>,
+}
+
+/// `vesper explain`.
+#[derive(Args, Debug)]
+pub struct Explain {
+    /// The scene and its changes.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// In the language of Graphviz
+    #[arg(long)]
+    pub dot: bool,
+}
+
+/// Number types by name.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum PrecisionName {
+    /// 32 bits.
+    F32,
+    /// 64 bits.
+    F64,
+}
+
+/// Backends by name.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum BackendName {
+    /// By size.
+    Auto,
+    /// One thread.
+    Cpu,
+    /// All threads.
+    Parallel,
+    /// The graphics processor.
+    Gpu,
+}
+
+impl SceneArguments {
+    /// All changes as `--set` arguments, so that they are checked as the scene is; those written out as such last.
+    pub fn overrides(&self) -> Vec<String> {
+        let name = |value: &dyn ValueName| value.name();
+        let settings = [
+            self.integrator.as_ref().map(|integrator| format!("engine.integrator={}", quoted(integrator))),
+            self.precision.as_ref().map(|precision| format!("engine.precision={}", name(precision))),
+            self.backend.as_ref().map(|backend| format!("engine.backend={}", name(backend))),
+            self.threads.map(|threads| format!("engine.threads={threads}")),
+        ];
+        settings.into_iter().flatten().chain(self.set.iter().cloned()).collect()
+    }
+}
+
+impl Run {
+    /// All changes of the scene as `--set` arguments.
+    pub fn overrides(&self) -> Vec<String> {
+        let time = |key: &str, value: Option<f64>| value.map(|value| format!("engine.{key}={value:?}"));
+        let times = [time("end", self.end), time("step", self.step)];
+        self.scene.overrides().into_iter().chain(times.into_iter().flatten()).collect()
+    }
+}
+
+/// A bare name as it is, anything else as TOML text.
+fn quoted(text: &str) -> String {
+    let bare = !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if bare { text.to_owned() } else { format!("{text:?}") }
+}
+
+trait ValueName {
+    fn name(&self) -> String;
+}
+
+impl<V: ValueEnum> ValueName for V {
+    fn name(&self) -> String {
+        self.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())
+    }
+}

@@ -1,0 +1,97 @@
+//! `vesper laws`.
+
+use std::fmt::{self, Write};
+
+use vesper::law::{Mode, Parameter, Place, Port, Signature};
+use vesper_laws::catalog::{StockLaw, stock_law, stock_laws};
+
+use super::{Exit, say};
+use crate::fault::{SceneFault, help_for};
+
+/// Lists all laws, or prints the one of this name.
+pub(super) fn laws(name: Option<&str>) -> Result<Exit, Vec<SceneFault>> {
+    let Some(name) = name else {
+        say(&list());
+        return Ok(Exit::Done);
+    };
+    let Some(law) = stock_law(name) else {
+        let help = help_for(name, stock_laws().iter().map(|law| law.signature.name));
+        let fault = SceneFault { help, ..SceneFault::of_file("vesper laws", format!("no law is named `{name}`")) };
+        return Err(vec![fault]);
+    };
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    _ = describe(&mut text, &law.signature);
+    say(&text);
+    Ok(Exit::Done)
+}
+
+fn list() -> String {
+    let width = stock_laws().iter().map(|law| law.signature.name.len()).max().unwrap_or(0);
+    let mut names: Vec<&StockLaw> = stock_laws().iter().collect();
+    names.sort_by_key(|law| law.signature.name);
+    names.iter().map(|law| format!("{:width$}  {}\n", law.signature.name, law.summary())).collect()
+}
+
+fn describe(text: &mut String, law: &Signature) -> fmt::Result {
+    writeln!(text, "{}\n", law.name)?;
+    for line in law.doc.lines() {
+        writeln!(text, "{}", if line.is_empty() { String::new() } else { format!("  {line}") })?;
+    }
+    writeln!(text, "\ntouches")?;
+    if let Some(domain) = law.domain {
+        writeln!(text, "  stands on domain {domain}, unless the scene says another")?;
+    }
+    if let Some(link) = law.link {
+        writeln!(text, "  follows {}: {}", link.name, link.kind)?;
+    }
+    for port in law.ports {
+        writeln!(text, "  {}", touched(port))?;
+    }
+    if law.parameters.is_empty() {
+        return writeln!(text, "\nno parameters");
+    }
+    writeln!(text, "\nparameters")?;
+    for parameter in law.parameters {
+        let unit = if parameter.unit.is_empty() { String::new() } else { format!(" [{}]", parameter.unit) };
+        writeln!(text, "  {}{unit}, {}: {}", parameter.name, default(parameter), parameter.doc.trim())?;
+    }
+    Ok(())
+}
+
+/// "reads mass \[kg\]", and from where.
+fn touched(port: &Port) -> String {
+    let place = match port.place {
+        Place::Own => "",
+        Place::Scene => " of the scene",
+        Place::Field => " as a field",
+        Place::End => " of the rows linked to",
+    };
+    let rest = match (port.optional, port.default) {
+        (true, _) => ", optional".to_owned(),
+        (false, Some(value)) if port.mode == Mode::Reads => {
+            format!(", default {}", components(&value[..port.property.kind.width().min(3)]))
+        }
+        _ => String::new(),
+    };
+    format!("{:5} {}{place}{rest}", port.mode.word(), port.property.described())
+}
+
+fn default(parameter: &Parameter) -> String {
+    match parameter.default {
+        Some(value) => format!("default {}", components(&value[..parameter.width.min(3)])),
+        None => "to be given".to_owned(),
+    }
+}
+
+fn components(values: &[f64]) -> String {
+    match values {
+        [one] => number(*one),
+        _ => format!("[{}]", values.iter().map(|value| number(*value)).collect::<Vec<_>>().join(", ")),
+    }
+}
+
+/// All digits, and no more zeros than one can count.
+fn number(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e9).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
+}

@@ -1,0 +1,86 @@
+//! What the command does, word by word.
+//!
+//! In: arguments. Out: text on standard output and standard error, files where `--out` says, an [`Exit`]. Never: a file
+//! or a step before the scene is known to be right.
+
+mod arguments;
+mod laws;
+mod run;
+
+pub use arguments::{Arguments, Command};
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use crate::assemble;
+use crate::fault::{SceneFault, print_faults};
+use crate::scene::{Precision, Scene};
+use arguments::{Explain, SceneArguments};
+
+/// How the command ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// Done.
+    Done,
+    /// The scene or the arguments are wrong; nothing was run or written.
+    Wrong,
+    /// The run failed, with the state up to then written.
+    Failed,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        ExitCode::from(match exit {
+            Exit::Done => 0,
+            Exit::Wrong => 2,
+            Exit::Failed => 3,
+        })
+    }
+}
+
+/// Does what the arguments say.
+pub fn execute(arguments: &Arguments) -> Exit {
+    let result = match &arguments.command {
+        Command::Run(run) => run::run(run),
+        Command::Explain(explain) => self::explain(explain),
+        Command::Laws { name } => laws::laws(name.as_deref()),
+    };
+    result.unwrap_or_else(|faults| {
+        complain(&print_faults(&faults));
+        Exit::Wrong
+    })
+}
+
+fn explain(arguments: &Explain) -> Result<Exit, Vec<SceneFault>> {
+    let scene = read(&arguments.scene, &arguments.scene.overrides())?;
+    let text = match precision(&scene) {
+        Precision::F32 => {
+            let engine = assemble::engine::<f32>(&scene)?;
+            if arguments.dot { engine.to_dot() } else { engine.explain() }
+        }
+        Precision::F64 => {
+            let engine = assemble::engine::<f64>(&scene)?;
+            if arguments.dot { engine.to_dot() } else { engine.explain() }
+        }
+    };
+    say(&text);
+    Ok(Exit::Done)
+}
+
+fn read(arguments: &SceneArguments, overrides: &[String]) -> Result<Scene, Vec<SceneFault>> {
+    Scene::read(&arguments.scene, overrides)
+}
+
+fn precision(scene: &Scene) -> Precision {
+    scene.engine.precision.as_ref().map_or(Precision::default(), |precision| precision.value)
+}
+
+/// Writes to standard output. A reader that has gone away, as `head` does, is no fault.
+fn say(text: &str) {
+    _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+/// Writes to standard error.
+fn complain(text: &str) {
+    _ = std::io::stderr().write_all(text.as_bytes());
+}

@@ -1,0 +1,84 @@
+//! `vesper run`.
+
+use std::path::Path;
+
+use vesper::prelude::Checkpoint;
+use vesper_laws::catalog::CatalogPrecision;
+
+use super::arguments::Run;
+use super::{Exit, complain, precision, read, say};
+use crate::fault::SceneFault;
+use crate::output::folder::Folder;
+use crate::output::{checkpoint, json, summary};
+use crate::run::{Outcome, Ready, Request};
+use crate::scene::{Precision, Scene};
+
+/// Frames that are written where `--every` does not say.
+const FRAMES: u64 = 1000;
+
+pub(super) fn run(arguments: &Run) -> Result<Exit, Vec<SceneFault>> {
+    let scene = read(&arguments.scene, &arguments.overrides());
+    // A checkpoint that cannot be read is told together with the mistakes of the scene.
+    let resume = arguments.resume.as_deref().map(read_checkpoint).transpose();
+    let (scene, resume) = match (scene, resume) {
+        (Ok(scene), Ok(resume)) => (scene, resume),
+        (scene, resume) => return Err([scene.err().unwrap_or_default(), resume.err().into_iter().collect()].concat()),
+    };
+    match precision(&scene) {
+        Precision::F32 => go::<f32>(arguments, &scene, resume.as_ref()),
+        Precision::F64 => go::<f64>(arguments, &scene, resume.as_ref()),
+    }
+}
+
+fn read_checkpoint(path: &Path) -> Result<Checkpoint, SceneFault> {
+    let file = path.display().to_string();
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| SceneFault::of_file(&file, format!("the checkpoint cannot be read: {error}")))?;
+    checkpoint::from_text(&text)
+        .map_err(|why| SceneFault::of_file(&file, format!("the checkpoint cannot be read: {why}")))
+}
+
+fn go<P: CatalogPrecision>(
+    arguments: &Run,
+    scene: &Scene,
+    resume: Option<&Checkpoint>,
+) -> Result<Exit, Vec<SceneFault>> {
+    let ready = Ready::<P>::new(scene, resume)?;
+    let mut folder = arguments.out.as_deref().map(Folder::new).transpose();
+    let folder = folder.as_mut().map_err(|text| vec![scene.fault_of_file(text.as_str())])?;
+    let every = arguments.every.unwrap_or(ready.course.frames().div_ceil(FRAMES).max(1));
+    let request = Request {
+        progress: !arguments.quiet,
+        record_every: if folder.is_some() { every } else { 0 },
+    };
+    let mut outcome = ready.run(request, &mut |engine, shown| match folder.as_mut() {
+        Some(folder) => folder.add(scene, engine, shown),
+        None => Ok(()),
+    });
+    if let Some(folder) = folder.take()
+        && let Err(text) = folder.finish(scene, &outcome)
+    {
+        outcome.faults.push(scene.fault_of_file(text));
+    }
+    tell(arguments, scene, &outcome, every);
+    Ok(if outcome.faults.is_empty() { Exit::Done } else { Exit::Failed })
+}
+
+fn tell(arguments: &Run, scene: &Scene, outcome: &Outcome, every: u64) {
+    if arguments.json {
+        say(&format!("{:#}\n", json::outcome(outcome)));
+    } else if !arguments.quiet {
+        say(&summary::summary(scene, outcome));
+        if let Some(out) = &arguments.out {
+            let frames = if every == 1 { "every frame".to_owned() } else { format!("one frame in {every}") };
+            say(&format!("\n{frames} written to {}\n", out.display()));
+        }
+    }
+    for fault in &outcome.faults {
+        complain(&format!("{fault}\n"));
+    }
+    if !outcome.faults.is_empty() {
+        let written = arguments.out.as_ref().map_or("", |_| "; the state up to then is written");
+        complain(&format!("the run failed at {} s, step {}{written}\n", outcome.time, outcome.steps));
+    }
+}

@@ -1,0 +1,193 @@
+//! Checkpoints as JSON.
+//!
+//! In: a [`Checkpoint`]. Out: text from which the same checkpoint is read, bit for bit. Never: a number that is not
+//! finite; a run that broke leaves no checkpoint.
+
+use serde_json::{Map, Value, json};
+use vesper::engine::{ColumnData, DomainData};
+use vesper::prelude::Checkpoint;
+
+/// The format; another number is another one.
+const VERSION: u64 = 1;
+
+/// A checkpoint as JSON.
+pub fn to_json(checkpoint: &Checkpoint) -> Value {
+    let columns = |columns: &[ColumnData]| {
+        let column = |column: &ColumnData| {
+            json!({
+                "property": column.property,
+                "subset": column.subset,
+                "numbers": column.numbers,
+                "links": column.links,
+            })
+        };
+        Value::Array(columns.iter().map(column).collect())
+    };
+    let domain = |domain: &DomainData| {
+        json!({
+            "name": domain.name,
+            "rows": domain.rows,
+            "columns": columns(&domain.columns),
+            "previous": columns(&domain.previous),
+        })
+    };
+    let (time, since, step) = checkpoint.clock;
+    json!({
+        "vesper_checkpoint": VERSION,
+        "precision": checkpoint.precision,
+        "integrator": checkpoint.integrator,
+        "time": checkpoint.time,
+        "steps": checkpoint.steps,
+        "remainder": checkpoint.remainder,
+        "clock": { "time": time, "since": since, "step": step },
+        "evaluations": checkpoint.evaluations,
+        "remembers": checkpoint.remembers,
+        "domains": checkpoint.domains.iter().map(domain).collect::<Vec<_>>(),
+        "registers": checkpoint.registers,
+        "held": checkpoint.held,
+        "filled": checkpoint.filled,
+    })
+}
+
+/// Reads a checkpoint.
+///
+/// # Errors
+/// What is wrong with the text.
+pub fn from_text(text: &str) -> Result<Checkpoint, String> {
+    let value: Value = serde_json::from_str(text).map_err(|error| format!("it is no JSON: {error}"))?;
+    let root = Reader { path: String::new(), value: &value };
+    if root.field("vesper_checkpoint").and_then(|version| version.count()) != Ok(VERSION) {
+        return Err(format!("it is no checkpoint of version {VERSION}"));
+    }
+    let clock = root.field("clock")?;
+    Ok(Checkpoint {
+        precision: root.field("precision")?.text()?,
+        integrator: root.field("integrator")?.text()?,
+        time: root.field("time")?.number()?,
+        steps: root.field("steps")?.count()?,
+        remainder: root.field("remainder")?.number()?,
+        clock: (clock.field("time")?.number()?, clock.field("since")?.count()?, clock.field("step")?.number()?),
+        evaluations: root.field("evaluations")?.count()?,
+        remembers: root.field("remembers")?.flag()?,
+        domains: root.field("domains")?.list(domain)?,
+        registers: root.field("registers")?.list(|register| register.list(|part| part.list(Reader::number)))?,
+        held: root.field("held")?.list(|held| held.list(|part| part.list(Reader::number)))?,
+        filled: root.field("filled")?.list(Reader::flag)?,
+    })
+}
+
+fn domain(reader: &Reader<'_>) -> Result<DomainData, String> {
+    let column = |reader: &Reader<'_>| {
+        let subset = reader.field("subset")?;
+        Ok(ColumnData {
+            property: reader.field("property")?.text()?,
+            subset: if subset.value.is_null() { None } else { Some(subset.list(Reader::row)?) },
+            numbers: reader.field("numbers")?.list(Reader::number)?,
+            links: reader.field("links")?.list(Reader::row)?,
+        })
+    };
+    Ok(DomainData {
+        name: reader.field("name")?.text()?,
+        rows: usize::try_from(reader.field("rows")?.count()?).map_err(|error| error.to_string())?,
+        columns: reader.field("columns")?.list(column)?,
+        previous: reader.field("previous")?.list(column)?,
+    })
+}
+
+/// A place in the object, for words about what is wrong there.
+struct Reader<'v> {
+    path: String,
+    value: &'v Value,
+}
+
+impl<'v> Reader<'v> {
+    fn wrong<T>(&self, expected: &str) -> Result<T, String> {
+        Err(format!("expected {expected} at {}", if self.path.is_empty() { "its root" } else { &self.path }))
+    }
+
+    fn field(&self, name: &str) -> Result<Reader<'v>, String> {
+        let object: Option<&'v Map<String, Value>> = self.value.as_object();
+        match object.and_then(|object| object.get(name)) {
+            Some(value) => Ok(Reader { path: format!("{}/{name}", self.path), value }),
+            None => self.wrong(&format!("`{name}`")),
+        }
+    }
+
+    fn list<T>(&self, item: impl Fn(&Reader<'v>) -> Result<T, String>) -> Result<Vec<T>, String> {
+        let Some(list) = self.value.as_array() else { return self.wrong("a list") };
+        list.iter().map(|value| item(&Reader { path: format!("{}/..", self.path), value })).collect()
+    }
+
+    fn number(&self) -> Result<f64, String> {
+        self.value.as_f64().map_or_else(|| self.wrong("a finite number"), Ok)
+    }
+
+    fn count(&self) -> Result<u64, String> {
+        self.value.as_u64().map_or_else(|| self.wrong("a whole number"), Ok)
+    }
+
+    fn row(&self) -> Result<u32, String> {
+        let row = self.value.as_u64().and_then(|row| u32::try_from(row).ok());
+        row.map_or_else(|| self.wrong("the number of a row"), Ok)
+    }
+
+    fn flag(&self) -> Result<bool, String> {
+        self.value.as_bool().map_or_else(|| self.wrong("true or false"), Ok)
+    }
+
+    fn text(&self) -> Result<String, String> {
+        self.value.as_str().map_or_else(|| self.wrong("text"), |text| Ok(text.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> Checkpoint {
+        let column = ColumnData {
+            property: "position".to_owned(),
+            subset: Some(vec![0, 4_000_000_000]),
+            numbers: vec![0.1, -0.0, f64::MIN_POSITIVE / 3.0, 1e300, 1.0 / 3.0, f64::from(0.1_f32)],
+            links: vec![7],
+        };
+        Checkpoint {
+            precision: "f64".to_owned(),
+            integrator: "leapfrog".to_owned(),
+            time: 0.1 + 0.2,
+            steps: 1 << 53,
+            remainder: 1e-17,
+            clock: (0.7, 3, 1e-3),
+            evaluations: 12,
+            remembers: true,
+            domains: vec![DomainData { name: "a \"b\"".to_owned(), rows: 5, columns: vec![column.clone()], previous: vec![column] }],
+            registers: vec![vec![vec![1.5, 2.0 / 3.0]], vec![]],
+            held: vec![vec![vec![]]],
+            filled: vec![true, false],
+        }
+    }
+
+    #[test]
+    fn reads_back_bit_for_bit() {
+        let read = from_text(&to_json(&example()).to_string()).unwrap();
+        assert_eq!(read, example());
+        let bits = |of: &Checkpoint| of.domains[0].columns[0].numbers.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&read), bits(&example()));
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        let text = to_json(&example()).to_string();
+        let cases = [
+            ("{", "it is no JSON"),
+            ("{}", "it is no checkpoint of version 1"),
+            (&text.replace("\"steps\":", "\"stps\":"), "expected `steps` at its root"),
+            (&text.replace("\"remembers\":true", "\"remembers\":1"), "expected true or false at /remembers"),
+            (&text.replace("[[[1.5,", "[[[null,"), "expected a finite number at /registers/../../.."),
+        ];
+        for (text, expected) in cases {
+            let found = from_text(text).unwrap_err();
+            assert!(found.starts_with(expected), "{found}");
+        }
+    }
+}

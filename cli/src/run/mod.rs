@@ -1,0 +1,111 @@
+//! A run of a scene: from its engine to an [`Outcome`] that can be printed, saved and drawn.
+//!
+//! In: a scene, what to record. Out: every mistake of the scene, or else everything that a user wants to know of the run,
+//! also of one that failed on its way. Never: a file; whoever wants files brings a recorder.
+
+pub mod compare;
+pub mod course;
+pub mod drift;
+mod drive;
+mod law_times;
+mod outcome;
+pub mod snapshot;
+mod way;
+
+pub use outcome::{Compared, LawOutcome, Outcome};
+
+use vesper::prelude::*;
+use vesper_laws::catalog::CatalogPrecision;
+
+use crate::assemble;
+use crate::fault::SceneFault;
+use crate::scene::Scene;
+use compare::Targets;
+use course::Course;
+use drive::Drive;
+use snapshot::{ShownDomain, shown_columns, snapshot};
+
+/// How a scene is run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Request {
+    /// Whether to show a progress bar, where standard error is a terminal.
+    pub progress: bool,
+    /// Record every frame of so many, the first and the last; 0 for none.
+    pub record_every: u64,
+}
+
+/// What a recorder gets: the engine, and the columns shown.
+pub type Record<'r, P> = dyn FnMut(&Engine<P>, &[ShownDomain]) -> Result<(), String> + 'r;
+
+/// A scene that is ready to run: everything that can be wrong with it has been looked at.
+#[derive(Debug)]
+pub struct Ready<'s, P: CatalogPrecision> {
+    scene: &'s Scene,
+    /// The engine, where it begins.
+    pub engine: Engine<P>,
+    /// Its steps.
+    pub course: Course,
+    targets: Targets,
+    resumed: bool,
+}
+
+impl<'s, P: CatalogPrecision> Ready<'s, P> {
+    /// Puts the scene together, to begin at its start or to go on from a checkpoint.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it.
+    pub fn new(scene: &'s Scene, resume: Option<&Checkpoint>) -> Result<Self, Vec<SceneFault>> {
+        let engine = assemble::engine::<P>(scene);
+        // A scene starts at 0 s, or at its constant `time`.
+        let start = engine.as_ref().map_or(0.0, Engine::time);
+        let course = Course::new(scene, start);
+        let targets = scene.compare.as_ref().map(|compare| compare::targets(scene, compare, start)).transpose();
+        let mut faults = Vec::new();
+        let engine = engine.map_err(|more| faults.extend(more)).ok();
+        let course = course.map_err(|more| faults.extend(more)).ok();
+        let targets = targets.map_err(|more| faults.extend(more)).ok();
+        let (Some(mut engine), Some(mut course), Some(targets)) = (engine, course, targets) else {
+            return Err(faults);
+        };
+        if let Some(checkpoint) = resume {
+            engine.restore(checkpoint).map_err(|faults| assemble::run_faults(scene, &faults))?;
+            course = course.resumed(checkpoint);
+        }
+        Ok(Self { scene, engine, course, targets: targets.unwrap_or_default(), resumed: resume.is_some() })
+    }
+
+    /// Runs to the end.
+    pub fn run(mut self, request: Request, record: &mut Record<'_, P>) -> Outcome {
+        let columns = shown_columns(self.scene, &self.engine);
+        let (last, rest) = self.course.last();
+        let steps = last.saturating_sub(self.engine.steps()) + u64::from(rest > 0.0);
+        let mut drive = Drive::new(self.engine.report().laws.len(), steps, "running", request.progress);
+        let mut outcome = Outcome { precision: P::NAME, ..Outcome::default() };
+        let way = way::Way { scene: self.scene, course: self.course, targets: &self.targets };
+        let mut show = |engine: &Engine<P>| record(engine, &snapshot(engine, &columns));
+        let went = way.go(&mut self.engine, &mut drive, &mut outcome, request.record_every, &mut show);
+        outcome.faults = went.err().unwrap_or_default();
+        let (wall, seconds) = drive.finish();
+        outcome.wall_seconds = wall;
+        if let (Some(compared), true) = (&mut outcome.compared, outcome.faults.is_empty() && !self.resumed) {
+            match way.distances_without::<P>(request.progress) {
+                Ok(distances) => {
+                    for (row, distance) in compared.iter_mut().zip(distances) {
+                        row.without = Some(distance);
+                    }
+                }
+                Err(faults) => outcome.faults = faults,
+            }
+        }
+        let engine = &self.engine;
+        outcome.time = engine.time();
+        outcome.steps = engine.steps();
+        outcome.evaluations = engine.evaluations();
+        outcome.integrator = engine.integrator().name().to_owned();
+        outcome.domains = snapshot(engine, &columns);
+        outcome.laws = outcome::law_outcomes(engine, &seconds);
+        outcome.unused.clone_from(&engine.report().unused);
+        outcome.skipped = self.targets.skipped;
+        outcome
+    }
+}

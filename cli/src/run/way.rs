@@ -1,0 +1,209 @@
+//! The way of a run: from its first step to its end, with a stop wherever something is due.
+//!
+//! In: an engine, its course, the frames to record, the dates to compare at. Out: the engine at its end, or where it
+//! broke. Never: a step of another length than the course says, except a last one that makes the run end where it should.
+//!
+//! A date that no step ends with is reached by a second engine, which takes one shorter step from a checkpoint of the
+//! first. Interpolating would cost less, and mix its own error into the distances.
+
+use vesper::prelude::*;
+use vesper_laws::catalog::CatalogPrecision;
+
+use super::compare::{Target, Targets};
+use super::course::Course;
+use super::drive::Drive;
+use super::{Compared, Outcome};
+use crate::assemble;
+use crate::fault::SceneFault;
+use crate::scene::{LawRequest, Scene};
+
+/// What is fixed on the way.
+pub(super) struct Way<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) course: Course,
+    pub(super) targets: &'a Targets,
+}
+
+/// Every k-th frame, one after the other.
+struct Due {
+    frame: u64,
+    every: u64,
+}
+
+impl Due {
+    /// The first such frame that ends after `step`; none where `every` is 0.
+    fn after(step: u64, every: u64, course: &Course) -> Self {
+        let frame = course.frame_after(step);
+        Due { frame: if every == 0 { u64::MAX } else { frame.div_ceil(every).saturating_mul(every) }, every }
+    }
+
+    /// The step with which it ends.
+    fn step(&self, course: &Course) -> u64 {
+        if self.frame > course.frames() { u64::MAX } else { course.frame_end(self.frame) }
+    }
+
+    /// Whether it ends with `step`; if so, the next one is due.
+    fn passes(&mut self, step: u64, course: &Course) -> bool {
+        let passes = self.step(course) <= step;
+        if passes {
+            *self = Due::after(step, self.every, course);
+        }
+        passes
+    }
+}
+
+type Show<'s, P> = dyn FnMut(&Engine<P>) -> Result<(), String> + 's;
+
+impl Way<'_> {
+    fn broken(&self, faults: &Faults) -> Vec<SceneFault> {
+        assemble::run_faults(self.scene, faults)
+    }
+
+    /// Goes to the end, and shows the first moment, every so many frames, and the last moment.
+    pub(super) fn go<P: CatalogPrecision>(
+        &self,
+        engine: &mut Engine<P>,
+        drive: &mut Drive,
+        outcome: &mut Outcome,
+        show_every: u64,
+        show: &mut Show<'_, P>,
+    ) -> Result<(), Vec<SceneFault>> {
+        let wrong = |text: String| vec![self.scene.fault_of_file(text)];
+        if show_every > 0 {
+            show(engine).map_err(wrong)?;
+        }
+        let begun = engine.steps();
+        let went = self.go_on(engine, drive, outcome, show_every, show);
+        // The last moment is shown whichever way it ended.
+        if show_every > 0 && engine.steps() > begun {
+            show(engine).map_err(wrong)?;
+        }
+        went
+    }
+
+    fn go_on<P: CatalogPrecision>(
+        &self,
+        engine: &mut Engine<P>,
+        drive: &mut Drive,
+        outcome: &mut Outcome,
+        show_every: u64,
+        show: &mut Show<'_, P>,
+    ) -> Result<(), Vec<SceneFault>> {
+        let course = &self.course;
+        let (last, rest) = course.last();
+        let look_every = course.frames().div_ceil(moments(engine)).max(1);
+        let mut to_show = Due::after(engine.steps(), show_every, course);
+        let mut to_look = Due::after(engine.steps(), look_every, course);
+        let mut dates = self.dates(engine.time()).into_iter().peekable();
+        let mut aside = Aside { scene: self.scene, off: Vec::new(), engine: None };
+        outcome.compared = self.scene.compare.is_some().then(Vec::new);
+        outcome.drift.look(engine).map_err(|faults| self.broken(&faults))?;
+        loop {
+            while let Some((target, _, rest)) = dates.next_if(|(_, step, _)| *step <= engine.steps()) {
+                let distance = aside.distance(engine, target, rest, &self.targets.domain)?;
+                let Target { name, date, time, .. } = target.clone();
+                outcome.compared.get_or_insert_default().push(Compared { name, date, time, distance, without: None });
+            }
+            if engine.steps() >= last {
+                break;
+            }
+            let date = dates.peek().map_or(last, |(_, step, _)| *step);
+            let next = last.min(date).min(to_show.step(course)).min(to_look.step(course));
+            drive.to(engine, next, course.step).map_err(|faults| self.broken(&faults))?;
+            let between = engine.steps() < last;
+            if to_look.passes(engine.steps(), course) && between {
+                outcome.drift.look(engine).map_err(|faults| self.broken(&faults))?;
+            }
+            if to_show.passes(engine.steps(), course) && between {
+                show(engine).map_err(|text| vec![self.scene.fault_of_file(text)])?;
+            }
+        }
+        outcome.checkpoint = Some(engine.checkpoint());
+        if rest > 0.0 {
+            drive.to(engine, last + 1, rest).map_err(|faults| self.broken(&faults))?;
+        }
+        outcome.drift.look(engine).map_err(|faults| self.broken(&faults))
+    }
+
+    /// The targets from `begin` to the end, each with the last step before it and what is left to it, in s.
+    fn dates(&self, begin: f64) -> Vec<(&Target, u64, f64)> {
+        let slack = 1e-9 * self.course.step;
+        let on_the_way = |target: &&Target| begin - slack <= target.time && target.time <= self.course.end + slack;
+        let list = self.targets.list.iter().filter(on_the_way);
+        list.map(|target| (target, self.course.steps_at(target.time))).map(|(target, (step, rest))| (target, step, rest)).collect()
+    }
+
+    /// The distances of a second run, without the laws that `[compare]` leaves out; none where it leaves none out.
+    pub(super) fn distances_without<P: CatalogPrecision>(&self, progress: bool) -> Result<Vec<f64>, Vec<SceneFault>> {
+        let Some(compare) = &self.scene.compare else { return Ok(Vec::new()) };
+        let left_out = |law: &&LawRequest| {
+            compare.without.iter().any(|name| name.value == law.called() || name.value == law.name.value)
+        };
+        let off: Vec<String> = self.scene.laws.iter().filter(left_out).map(|law| law.called().to_owned()).collect();
+        if off.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut engine = switched_off::<P>(self.scene, &off)?;
+        let dates = self.dates(engine.time());
+        let last = dates.last().map_or(0, |(_, step, _)| *step);
+        let mut drive = Drive::new(self.scene.laws.len(), last, &format!("without {}", off.join(", ")), progress);
+        let mut aside = Aside { scene: self.scene, off, engine: None };
+        let mut distances = Vec::new();
+        for (target, step, rest) in dates {
+            drive.to(&mut engine, step, self.course.step).map_err(|faults| self.broken(&faults))?;
+            distances.push(aside.distance(&engine, target, rest, &self.targets.domain)?);
+        }
+        drive.finish();
+        Ok(distances)
+    }
+}
+
+fn switched_off<P: CatalogPrecision>(scene: &Scene, off: &[String]) -> Result<Engine<P>, Vec<SceneFault>> {
+    let mut engine = assemble::engine::<P>(scene)?;
+    for law in off {
+        engine.enable(law, false).map_err(|fault| assemble::run_faults(scene, &fault.into()))?;
+    }
+    Ok(engine)
+}
+
+/// A second engine for dates that no step ends with.
+struct Aside<'s, P: CatalogPrecision> {
+    scene: &'s Scene,
+    off: Vec<String>,
+    engine: Option<Engine<P>>,
+}
+
+impl<P: CatalogPrecision> Aside<'_, P> {
+    /// The distance of `main` from `target`, `rest` s later.
+    fn distance(
+        &mut self,
+        main: &Engine<P>,
+        target: &Target,
+        rest: f64,
+        domain: &str,
+    ) -> Result<f64, Vec<SceneFault>> {
+        if rest == 0.0 {
+            return Ok(target.distance(main.state(), domain));
+        }
+        let mut engine = match self.engine.take() {
+            Some(engine) => engine,
+            None => switched_off(self.scene, &self.off)?,
+        };
+        let broken = |faults: Faults| assemble::run_faults(self.scene, &faults);
+        engine.restore(&main.checkpoint()).map_err(broken)?;
+        engine.steps_of(1, rest).map_err(broken)?;
+        let distance = target.distance(engine.state(), domain);
+        self.engine = Some(engine);
+        Ok(distance)
+    }
+}
+
+/// How many moments energy and momenta are looked at: fewer where a look visits many pairs.
+fn moments<P: Precision>(engine: &Engine<P>) -> u64 {
+    let rows = |law: &vesper::registry::LawReport| match law.status {
+        Status::Active { rows } => rows as u64,
+        Status::Dormant(_) | Status::Pruned { .. } | Status::Off => 0,
+    };
+    let most = engine.report().laws.iter().map(rows).max().unwrap_or(0).max(1);
+    (30_000_000 / most.saturating_mul(most)).clamp(8, 256)
+}

@@ -1,0 +1,102 @@
+//! The stock laws as a list, for whoever chooses laws by name at run time: the command line, scene files.
+//!
+//! In: the laws of this crate. Out: [`stock_laws`], each with its declaration and a way to make it runnable from the
+//! numbers of its parameters, in either precision. Never: a state, a scene.
+
+use crate::*;
+use vesper::backend::{Compile, Compiled};
+use vesper::law::{Law, Signature};
+
+/// A law of this crate.
+#[derive(Clone, Copy)]
+pub struct StockLaw {
+    /// What it touches, its parameters, and its documentation.
+    pub signature: Signature,
+    single: fn(&[f64]) -> Compiled<f32>,
+    double: fn(&[f64]) -> Compiled<f64>,
+}
+
+impl core::fmt::Debug for StockLaw {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("StockLaw").field("name", &self.signature.name).finish_non_exhaustive()
+    }
+}
+
+/// The precisions in which a stock law can be made: `f32` and `f64`.
+pub trait CatalogPrecision: vesper::real::Scalar {
+    /// The law with these components of its parameters.
+    fn compile(law: &StockLaw, parameters: &[f64]) -> Compiled<Self>;
+}
+
+impl CatalogPrecision for f32 {
+    fn compile(law: &StockLaw, parameters: &[f64]) -> Compiled<f32> {
+        (law.single)(parameters)
+    }
+}
+
+impl CatalogPrecision for f64 {
+    fn compile(law: &StockLaw, parameters: &[f64]) -> Compiled<f64> {
+        (law.double)(parameters)
+    }
+}
+
+impl StockLaw {
+    const fn of<L: Law + Compile>() -> Self {
+        StockLaw {
+            signature: L::SIGNATURE,
+            single: |parameters| L::from_parameters(parameters).compile(),
+            double: |parameters| L::from_parameters(parameters).compile(),
+        }
+    }
+
+    /// The law made runnable, with the components of its parameters in declared order (a vector is three). Those left
+    /// out at the end have their defaults, or else are 0.
+    pub fn compile<P: CatalogPrecision>(&self, parameters: &[f64]) -> Compiled<P> {
+        let mut values = self.default_parameters();
+        for (value, &given) in values.iter_mut().zip(parameters) {
+            *value = given;
+        }
+        P::compile(self, &values)
+    }
+
+    /// The components of all parameters in declared order, as they are where none is given; 0 where there is no default.
+    pub fn default_parameters(&self) -> Vec<f64> {
+        let parameters = self.signature.parameters.iter();
+        parameters
+            .flat_map(|parameter| parameter.default.unwrap_or_default().into_iter().take(parameter.width))
+            .collect()
+    }
+
+    /// The first line of its documentation: what it is.
+    pub fn summary(&self) -> &'static str {
+        self.signature.doc.lines().next().unwrap_or_default()
+    }
+}
+
+/// All stock laws, by name.
+pub fn stock_laws() -> &'static [StockLaw] {
+    const LAWS: &[StockLaw] = &[
+        StockLaw::of::<Coulomb>(),
+        StockLaw::of::<Drag>(),
+        StockLaw::of::<ElectricForce>(),
+        StockLaw::of::<FieldGravity>(),
+        StockLaw::of::<Gravity>(),
+        StockLaw::of::<GravityByParameter>(),
+        StockLaw::of::<Kinematics>(),
+        StockLaw::of::<MagneticForce>(),
+        StockLaw::of::<Motion>(),
+        StockLaw::of::<PostNewtonian>(),
+        StockLaw::of::<QuadraticDrag>(),
+        StockLaw::of::<RelativisticMass>(),
+        StockLaw::of::<RelativisticMotion>(),
+        StockLaw::of::<RelativisticVelocity>(),
+        StockLaw::of::<Spring>(),
+        StockLaw::of::<UniformGravity>(),
+    ];
+    LAWS
+}
+
+/// The stock law of this name.
+pub fn stock_law(name: &str) -> Option<&'static StockLaw> {
+    stock_laws().iter().find(|law| law.signature.name == name)
+}
