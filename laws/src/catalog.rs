@@ -78,6 +78,7 @@ pub fn stock_laws() -> &'static [StockLaw] {
     const LAWS: &[StockLaw] = &[
         StockLaw::of::<Coulomb>(),
         StockLaw::of::<Drag>(),
+        StockLaw::of::<EinsteinInfeldHoffmann>(),
         StockLaw::of::<ElectricForce>(),
         StockLaw::of::<FieldGravity>(),
         StockLaw::of::<Gravity>(),
@@ -85,6 +86,7 @@ pub fn stock_laws() -> &'static [StockLaw] {
         StockLaw::of::<Kinematics>(),
         StockLaw::of::<MagneticForce>(),
         StockLaw::of::<Motion>(),
+        StockLaw::of::<NewtonianField>(),
         StockLaw::of::<PostNewtonian>(),
         StockLaw::of::<QuadraticDrag>(),
         StockLaw::of::<RelativisticMass>(),

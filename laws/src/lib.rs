@@ -33,6 +33,7 @@ macro_rules! laws {
 laws! {
     coulomb,
     drag,
+    einstein_infeld_hoffmann,
     electric_force,
     field_gravity,
     gravity,
@@ -40,6 +41,7 @@ laws! {
     kinematics,
     magnetic_force,
     motion,
+    newtonian_field,
     post_newtonian,
     quadratic_drag,
     relativistic_mass,

@@ -22,8 +22,8 @@ fn energy_drift(engine: &mut Engine<f64>, step: f64, blocks: u32, steps: u64) ->
 }
 
 #[test]
-fn symplectic_integrators_do_not_lose_energy_over_a_thousand_periods() {
-    // 1000 periods of 100 steps; the bounds are (h omega)^2 / 4 and h omega / 2 of the energy, with h omega = 0.063.
+fn symplectic_integrators_do_not_lose_energy_over_hundreds_of_periods() {
+    // 300 periods of 100 steps; the bounds are (h omega)^2 / 4 and h omega / 2 of the energy, with h omega = 0.063.
     let step = core::f64::consts::TAU / 100.0;
     for symplectic in [true, false] {
         let problem = Oscillator { speed: 0.5, ..Oscillator::default() };
@@ -32,11 +32,11 @@ fn symplectic_integrators_do_not_lose_energy_over_a_thousand_periods() {
         } else {
             (problem.engine(SemiImplicitEuler, step).unwrap(), 0.06)
         };
-        let (half, all) = energy_drift(&mut engine, step, 1000, 97);
+        let (half, all) = energy_drift(&mut engine, step, 300, 97);
         assert!(all < bound && all < 1.01 * half, "{half:e} {all:e}");
     }
     let (half, all) =
-        energy_drift(&mut Kepler { eccentricity: 0.5 }.engine(Leapfrog::default(), 0.01).unwrap(), 0.01, 1000, 629);
+        energy_drift(&mut Kepler { eccentricity: 0.5 }.engine(Leapfrog::default(), 0.01).unwrap(), 0.01, 300, 629);
     assert!(all < 1e-3 && all < 1.05 * half, "{half:e} {all:e}");
 }
 

@@ -73,12 +73,19 @@ fn expand(item: &mut ItemImpl) -> syn::Result<TokenStream> {
         }
     }
     let ends = ends(&trait_segment);
-    let (family, compile, bound) = match shape {
-        Shape::Row => (quote!(RowFamily), quote!(row::<P, Self>), quote!(Real)),
-        Shape::Pair => (quote!(PairFamily), quote!(pair::<P, Self>), quote!(Real)),
-        Shape::Link => (quote!(LinkFamily<#ends>), quote!(link::<P, Self, #ends>), quote!(Real)),
-        Shape::Column => (quote!(ColumnFamily), quote!(column::<P, Self>), quote!(Scalar)),
+    let (family, bound) = match shape {
+        Shape::Row => (quote!(RowFamily), quote!(Real)),
+        Shape::Pair => (quote!(PairFamily), quote!(Real)),
+        Shape::Link => (quote!(LinkFamily<#ends>), quote!(Real)),
+        Shape::Column => (quote!(ColumnFamily), quote!(Scalar)),
     };
+    let compile = |precision: TokenStream| match shape {
+        Shape::Row => quote!(row::<#precision, Self>),
+        Shape::Pair => quote!(pair::<#precision, Self>),
+        Shape::Link => quote!(link::<#precision, Self, #ends>),
+        Shape::Column => quote!(column::<#precision, Self>),
+    };
+    let (compile_f32, compile_f64) = (compile(quote!(f32)), compile(quote!(f64)));
     let stepped = stepped(shape, &trait_segment, &concrete);
     let energy = (shape != Shape::Column).then(|| quote!(const ENERGY: bool = #energy;));
     Ok(quote! {
@@ -92,8 +99,13 @@ fn expand(item: &mut ItemImpl) -> syn::Result<TokenStream> {
         }
         #[automatically_derived]
         impl ::vesper::backend::Compile for #concrete {
-            fn compile<P: ::vesper::real::Scalar>(&self) -> ::vesper::backend::Compiled<P> {
-                ::vesper::backend::#compile(self)
+            #[inline(never)]
+            fn compile_f32(&self) -> ::vesper::backend::Compiled<f32> {
+                ::vesper::backend::#compile_f32(self)
+            }
+            #[inline(never)]
+            fn compile_f64(&self) -> ::vesper::backend::Compiled<f64> {
+                ::vesper::backend::#compile_f64(self)
             }
         }
         #stepped
@@ -190,7 +202,8 @@ fn stub(item: &ItemImpl) -> Option<TokenStream> {
     Some(quote! {
         #[automatically_derived]
         impl ::vesper::backend::Compile for #path {
-            fn compile<P: ::vesper::real::Scalar>(&self) -> ::vesper::backend::Compiled<P> { loop {} }
+            fn compile_f32(&self) -> ::vesper::backend::Compiled<f32> { loop {} }
+            fn compile_f64(&self) -> ::vesper::backend::Compiled<f64> { loop {} }
         }
     })
 }

@@ -165,6 +165,10 @@ pub enum Fault {
         "{law} sets {property} for all rows, but reads {subset}, which only {given} of {rows} rows have: give the others a value"
     )]
     SetOnSubset { law: String, property: String, subset: String, given: usize, rows: usize },
+    #[error(
+        "{law} adds to {property} and reads its previous value, which is gone when the sum begins anew: let one law set a property of its own from it, and another one add that"
+    )]
+    PreviousOfSum { law: String, property: String },
     #[error("{law} {does} {property}, but it is a {shape} law: {allowed}")]
     Shape { law: String, does: String, property: String, shape: String, allowed: String },
     #[error("the laws close a circle: {}: let one of them read the value before, `reads(previous ...)`", path.join(", "))]

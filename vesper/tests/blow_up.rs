@@ -44,10 +44,8 @@ impl<R: Real> RowLaw<R> for Newton {
 }
 
 fn engine() -> Builder<f64> {
-    let bodies = Domain::new("bodies")
-        .with(Position, [[0.0; 3]; 2])
-        .with(Velocity, [[0.0; 3]; 2])
-        .with(Mass, [1.0, 1.0]);
+    let bodies =
+        Domain::new("bodies").with(Position, [[0.0; 3]; 2]).with(Velocity, [[0.0; 3]; 2]).with(Mass, [1.0, 1.0]);
     Engine::builder().domain(bodies).law(Weight).law(Newton).integrator(SemiImplicitEuler).step(0.0625)
 }
 

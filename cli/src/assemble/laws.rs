@@ -68,7 +68,11 @@ fn parameters(notes: &mut Notes<'_>, request: &LawRequest, law: &StockLaw) -> Op
             (None, Some(default)) => values.extend(&default[..parameter.width]),
             (None, None) => {
                 let help = format!("write `{} = ..`, in {}", parameter.name, said(parameter.unit));
-                notes.fault(request.name.span, format!("law `{name}` needs its parameter `{}`", parameter.name), Some(help));
+                notes.fault(
+                    request.name.span,
+                    format!("law `{name}` needs its parameter `{}`", parameter.name),
+                    Some(help),
+                );
             }
         }
     }

@@ -26,45 +26,19 @@ const MOST_THREADS: usize = 1024;
 /// Everything that is wrong with the scene, in the order of its text.
 pub fn engine<P: CatalogPrecision>(scene: &Scene) -> Result<Engine<P>, Vec<SceneFault>> {
     let mut notes = Notes { scene, faults: Vec::new() };
-    let mut builder = Engine::<P>::builder();
-    let mut constants = Domain::new(vesper::domain::SCENE);
-    for constant in &scene.constants {
-        constants = notes.constant(constants, constant);
+    let builder = notes.builder::<P>();
+    if notes.count() > 0 {
+        return Err(notes.into_faults());
     }
-    builder = builder.domain(constants);
-    for data in &scene.domains {
-        let mut domain = Domain::new(&data.name.value);
-        if let Some(rows) = data.rows() {
-            domain = domain.rows(rows);
-        }
-        for column in &data.columns {
-            domain = notes.column(domain, data, column);
-        }
-        builder = builder.domain(domain);
-    }
-    for data in &scene.fields {
-        builder = notes.field(builder, data);
-    }
-    let mut lost_laws = false;
-    for request in &scene.laws {
-        match laws::law::<P>(&mut notes, request) {
-            Some((compiled, options)) => builder = builder.listed(compiled, options),
-            None => lost_laws = true,
-        }
-    }
-    builder = notes.settings(builder);
-    let before = notes.count();
-    let built = builder.build();
-    for fault in built.as_ref().err().into_iter().flatten() {
-        if !(lost_laws && places::may_follow_from_lost_laws(fault)) {
-            notes.library_fault(fault);
-        }
-    }
-    match built {
-        Ok(engine) if before == 0 => Ok(engine),
-        // The library refuses with at least one fault, or a law was lost with one.
-        Ok(_) | Err(_) => Err(notes.into_faults()),
-    }
+    builder.build().map_err(|faults| run_faults(scene, &faults))
+}
+
+/// What a scene's names do not mean, and values that do not fit them, each with its place: all that can be found without
+/// an engine, so also where parts of the scene could not be read.
+pub fn names(scene: &Scene) -> Vec<(Span, SceneFault)> {
+    let mut notes = Notes { scene, faults: Vec::new() };
+    _ = notes.builder::<f64>();
+    notes.faults
 }
 
 /// Faults of a running engine, in the scene's words.
@@ -112,16 +86,69 @@ impl Notes<'_> {
         self.faults.into_iter().map(|(_, fault)| fault).collect()
     }
 
-    fn constant<P: CatalogPrecision>(&mut self, domain: Domain<P>, constant: &Parameter) -> Domain<P> {
-        let unit = constant.unit.as_ref().map(|unit| unit.value.as_str());
-        let width = constant.value.len();
-        match properties::known(&constant.name.value).map_or_else(|| properties::unknown(&constant.name.value, width, unit), Ok) {
-            Ok(property) => domain.with_column(property, unit, None, Values::new(width, constant.value.clone())),
-            Err(text) => {
-                self.fault(constant.value_span, text, None);
-                domain
+    /// The builder of what is right of the scene.
+    fn builder<P: CatalogPrecision>(&mut self) -> Builder<P> {
+        let scene = self.scene;
+        let mut constants = Domain::new(vesper::domain::SCENE);
+        for constant in &scene.constants {
+            constants = self.constant(constants, constant);
+        }
+        let mut builder = Engine::<P>::builder().domain(constants);
+        for data in &scene.domains {
+            let mut domain = Domain::new(&data.name.value);
+            if let Some(rows) = data.rows() {
+                domain = domain.rows(rows);
+            }
+            for column in &data.columns {
+                domain = self.column(domain, data, column);
+            }
+            builder = builder.domain(domain);
+        }
+        for data in &scene.fields {
+            builder = self.field(builder, data);
+        }
+        for request in &scene.laws {
+            if let Some((compiled, options)) = laws::law::<P>(self, request) {
+                builder = builder.listed(compiled, options);
             }
         }
+        self.settings(builder)
+    }
+
+    /// The property of a column of `width` numbers in `unit`, which it must fit.
+    fn property(
+        &mut self,
+        (name, width): (&str, usize),
+        unit: Option<&Spanned<String>>,
+        span: Span,
+    ) -> Option<PropertyInfo> {
+        let Some(property) = properties::known(name) else {
+            let made = properties::unknown(name, width, unit.map(|unit| unit.value.as_str()));
+            return made.map_err(|text| self.fault(span, text, None)).ok();
+        };
+        let before = self.count();
+        if property.kind.width() != width {
+            let components = |n| if n == 1 { "a number".to_owned() } else { format!("{n} numbers") };
+            let text = format!(
+                "`{name}` is a {}: expected {}, found {width}",
+                property.kind,
+                components(property.kind.width())
+            );
+            self.fault(span, text, None);
+        }
+        if let Some(unit) = unit {
+            factor(self, unit, property.unit);
+        }
+        (self.count() == before).then_some(property)
+    }
+
+    fn constant<P: CatalogPrecision>(&mut self, domain: Domain<P>, constant: &Parameter) -> Domain<P> {
+        let (name, width) = (constant.name.value.as_str(), constant.value.len());
+        let Some(property) = self.property((name, width), constant.unit.as_ref(), constant.value_span) else {
+            return domain;
+        };
+        let unit = constant.unit.as_ref().map(|unit| unit.value.as_str());
+        domain.with_column(property, unit, None, Values::new(width, constant.value.clone()))
     }
 
     fn column<P: CatalogPrecision>(&mut self, domain: Domain<P>, data: &DomainData, column: &ColumnData) -> Domain<P> {
@@ -135,16 +162,13 @@ impl Notes<'_> {
             self.fault(column.span, format!("`{name}` names rows of a domain, and does not say of which"), Some(help));
             return domain;
         }
-        let unit = column.unit.as_ref().map(|unit| unit.value.as_str());
-        let property = match known.map_or_else(|| properties::unknown(name, column.width, unit), Ok) {
-            Ok(property) => property,
-            Err(text) => {
-                self.fault(column.row_span(0), text, None);
-                return domain;
-            }
-        };
         // A column without rows fits any width.
-        let width = if column.values.is_empty() { property.kind.width() } else { column.width };
+        let any = known.map(|property| property.kind.width()).filter(|_| column.values.is_empty());
+        let width = any.unwrap_or(column.width);
+        let Some(property) = self.property((name, width), column.unit.as_ref(), column.row_span(0)) else {
+            return domain;
+        };
+        let unit = column.unit.as_ref().map(|unit| unit.value.as_str());
         let rows = |subset: &Vec<Spanned<usize>>| -> Option<Vec<u32>> {
             subset.iter().map(|row| u32::try_from(row.value).ok()).collect()
         };

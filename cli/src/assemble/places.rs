@@ -13,7 +13,7 @@ pub(super) fn placed(scene: &Scene, fault: &Fault) -> (Option<Span>, String, Opt
     let text = fault.to_string();
     let law = |name: &str| law(scene, name).map(|law| law.name.span);
     let (span, text, help) = match fault {
-        Fault::Dimension { domain, property, given, expected } => (
+        Fault::Dimension { domain, property, given, expected, .. } => (
             unit(scene, domain, property),
             format!("`{property}` is measured in {expected}, and {given} is no unit of that dimension"),
             None,
@@ -24,8 +24,12 @@ pub(super) fn placed(scene: &Scene, fault: &Fault) -> (Option<Span>, String, Opt
         }
         Fault::Kind { domain, property, .. }
         | Fault::Length { domain, property, .. }
+        | Fault::SubsetLength { domain, property, .. }
+        | Fault::LinkToNone { domain, property, .. }
         | Fault::NotFinite { domain, property, .. }
-        | Fault::ColumnTwice { domain, property }
+        | Fault::OutOfPrecision { domain, property, .. }
+        | Fault::NoValue { domain, property, .. }
+        | Fault::ColumnTwice { domain, property, .. }
         | Fault::SubsetTwice { domain, property, .. }
         | Fault::SubsetRange { domain, property, .. }
         | Fault::LinkRange { domain, property, .. }
@@ -36,27 +40,29 @@ pub(super) fn placed(scene: &Scene, fault: &Fault) -> (Option<Span>, String, Opt
             let field = scene.fields.iter().find(|field| field.name.value == *property).map(|field| field.name.span);
             (span.or(field), text, None)
         }
-        Fault::FieldTwice { field } => {
-            (scene.fields.iter().rev().find(|known| known.name.value == *field).map(|field| field.name.span), text, None)
-        }
+        Fault::FieldTwice { field, .. } => (
+            scene.fields.iter().rev().find(|known| known.name.value == *field).map(|field| field.name.span),
+            text,
+            None,
+        ),
         // The only columns that the library looks for and does not find are observed ones.
         Fault::NoDomain { domain, .. } => (observed(scene, domain, None), text, None),
-        Fault::NoProperty { domain, property, nearest } => (
+        Fault::NoProperty { domain, property, nearest, .. } => (
             observed(scene, domain, Some(property)),
             format!("`{domain}` has no property `{property}`, and no running law makes one"),
             nearest.as_ref().map(|near| format!("did you mean `{near}`?")),
         ),
-        Fault::WhichDomain { law: name, domains } => (
+        Fault::WhichDomain { law: name, domains, .. } => (
             law(name),
             format!("law `{name}` can stand on {}", domains.join(" or ")),
             domains.first().map(|domain| format!("say on which: domain = \"{domain}\"")),
         ),
-        Fault::LawTwice { law: name, domain } => (
+        Fault::LawTwice { law: name, domain, .. } => (
             scene.laws.iter().rev().find(|law| law.called() == name).map(|law| law.name.span),
             format!("law `{name}` is listed twice on domain {domain}"),
             Some("keep one, or give one of them a `label` of its own".to_owned()),
         ),
-        Fault::SetGiven { law: name, property } => {
+        Fault::SetGiven { law: name, property, .. } => {
             let (domain, property) = property.split_once('.').unwrap_or(("", property));
             (column(scene, domain, property).or(law(name)), text, None)
         }
@@ -74,28 +80,30 @@ pub(super) fn placed(scene: &Scene, fault: &Fault) -> (Option<Span>, String, Opt
         | Fault::AddToPlain { law: name, .. }
         | Fault::SetOnSubset { law: name, .. }
         | Fault::Shape { law: name, .. }
+        | Fault::TooWide { law: name, .. }
         | Fault::Dormant { law: name, .. }
         | Fault::EmptyDomain { law: name, .. }
         | Fault::Subset { law: name, .. }
         | Fault::ParameterNotFinite { law: name, .. } => (law(name), text, None),
+        Fault::TooManyRows { domain, .. } => (column(scene, domain, ""), text, None),
+        Fault::SceneRow { .. } => (column(scene, vesper::domain::SCENE, ""), text, None),
+        Fault::SubsetStart { start, .. } => {
+            let (domain, property) = start.split_once('.').unwrap_or(("", start));
+            (column(scene, domain, property), text, None)
+        }
         Fault::Integrator { .. } => (integrator(scene), text, None),
         Fault::Step { .. } => (scene.engine.step.as_ref().map(|step| step.span), text, None),
         Fault::Threads | Fault::ThreadPool { .. } => {
             (scene.engine.threads.as_ref().map(|threads| threads.span), text, None)
         }
         Fault::NoParallel => (scene.engine.backend.as_ref().map(|backend| backend.span), text, None),
-        Fault::Cycle { path } => {
+        Fault::Cycle { path, .. } => {
             let in_path = |law: &&LawRequest| path.iter().any(|step| step.split(' ').any(|word| word == law.called()));
             (scene.laws.iter().find(in_path).map(|law| law.name.span), text, None)
         }
         _ => (None, text, None),
     };
     (span, text, help)
-}
-
-/// Whether laws that could not be read may be the reason of the fault.
-pub(super) fn may_follow_from_lost_laws(fault: &Fault) -> bool {
-    matches!(fault, Fault::NoProperty { .. } | Fault::Dormant { .. } | Fault::WhichDomain { .. })
 }
 
 fn law<'s>(scene: &'s Scene, name: &str) -> Option<&'s LawRequest> {
@@ -114,7 +122,8 @@ fn column(scene: &Scene, domain: &str, property: &str) -> Option<Span> {
 fn unit(scene: &Scene, domain: &str, property: &str) -> Option<Span> {
     let of_column = scene.domain(domain).and_then(|domain| domain.column(property)?.unit.as_ref());
     let of_constant = scene.constants.iter().find(|constant| constant.name.value == property);
-    let of_constant = of_constant.filter(|_| domain == vesper::domain::SCENE).and_then(|constant| constant.unit.as_ref());
+    let of_constant =
+        of_constant.filter(|_| domain == vesper::domain::SCENE).and_then(|constant| constant.unit.as_ref());
     of_column.or(of_constant).map(|unit| unit.span).or_else(|| column(scene, domain, property))
 }
 

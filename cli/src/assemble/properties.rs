@@ -76,8 +76,7 @@ mod tests {
             .map(|rest| rest.split([':', ' ']).next().unwrap_or_default())
             .collect();
         let list = include_str!("properties.rs");
-        let listed: Vec<&str> =
-            list.lines().filter_map(|line| line.trim().strip_suffix("::INFO,")).collect();
+        let listed: Vec<&str> = list.lines().filter_map(|line| line.trim().strip_suffix("::INFO,")).collect();
         assert_eq!(listed, declared);
         assert_eq!(STANDARD.len(), declared.len());
     }

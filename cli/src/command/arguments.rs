@@ -89,7 +89,7 @@ pub struct Run {
     /// Folder for tables, picture, summary and checkpoint
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Write every N-th frame [default: so that at most 1000 frames are written]
+    /// Write every N-th frame [default: at most 1000 frames and 200000 lines in all]
     #[arg(long, value_name = "N", requires = "out", value_parser = clap::value_parser!(u64).range(1..))]
     pub every: Option<u64>,
     /// Print one JSON object on standard output, and nothing else there

@@ -68,7 +68,7 @@ fn explain(arguments: &Explain) -> Result<Exit, Vec<SceneFault>> {
 }
 
 fn read(arguments: &SceneArguments, overrides: &[String]) -> Result<Scene, Vec<SceneFault>> {
-    Scene::read(&arguments.scene, overrides)
+    Scene::read_and(&arguments.scene, overrides, assemble::names)
 }
 
 fn precision(scene: &Scene) -> Precision {

@@ -13,8 +13,9 @@ use crate::output::{checkpoint, json, summary};
 use crate::run::{Outcome, Ready, Request};
 use crate::scene::{Precision, Scene};
 
-/// Frames that are written where `--every` does not say.
+/// Where `--every` does not say, at most so many frames are written, and at most so many lines of tables.
 const FRAMES: u64 = 1000;
+const LINES: u64 = 200_000;
 
 pub(super) fn run(arguments: &Run) -> Result<Exit, Vec<SceneFault>> {
     let scene = read(&arguments.scene, &arguments.overrides());
@@ -46,11 +47,10 @@ fn go<P: CatalogPrecision>(
     let ready = Ready::<P>::new(scene, resume)?;
     let mut folder = arguments.out.as_deref().map(Folder::new).transpose();
     let folder = folder.as_mut().map_err(|text| vec![scene.fault_of_file(text.as_str())])?;
-    let every = arguments.every.unwrap_or(ready.course.frames().div_ceil(FRAMES).max(1));
-    let request = Request {
-        progress: !arguments.quiet,
-        record_every: if folder.is_some() { every } else { 0 },
-    };
+    let rows: usize = ready.engine.state().domains().iter().map(|domain| domain.rows()).sum();
+    let frames = (LINES / rows.max(1) as u64).clamp(8, FRAMES);
+    let every = arguments.every.unwrap_or(ready.course.frames().div_ceil(frames).max(1));
+    let request = Request { progress: !arguments.quiet, record_every: if folder.is_some() { every } else { 0 } };
     let mut outcome = ready.run(request, &mut |engine, shown| match folder.as_mut() {
         Some(folder) => folder.add(scene, engine, shown),
         None => Ok(()),
@@ -66,7 +66,7 @@ fn go<P: CatalogPrecision>(
 
 fn tell(arguments: &Run, scene: &Scene, outcome: &Outcome, every: u64) {
     if arguments.json {
-        say(&format!("{:#}\n", json::outcome(outcome)));
+        say(&json::text(&json::outcome(outcome)));
     } else if !arguments.quiet {
         say(&summary::summary(scene, outcome));
         if let Some(out) = &arguments.out {

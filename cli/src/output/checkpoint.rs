@@ -160,7 +160,12 @@ mod tests {
             clock: (0.7, 3, 1e-3),
             evaluations: 12,
             remembers: true,
-            domains: vec![DomainData { name: "a \"b\"".to_owned(), rows: 5, columns: vec![column.clone()], previous: vec![column] }],
+            domains: vec![DomainData {
+                name: "a \"b\"".to_owned(),
+                rows: 5,
+                columns: vec![column.clone()],
+                previous: vec![column],
+            }],
             registers: vec![vec![vec![1.5, 2.0 / 3.0]], vec![]],
             held: vec![vec![vec![]]],
             filled: vec![true, false],

@@ -31,7 +31,8 @@ impl Folder {
     /// # Errors
     /// It cannot be made.
     pub fn new(path: &Path) -> Result<Self, String> {
-        std::fs::create_dir_all(path).map_err(|error| format!("cannot make the folder `{}`: {error}", path.display()))?;
+        std::fs::create_dir_all(path)
+            .map_err(|error| format!("cannot make the folder `{}`: {error}", path.display()))?;
         Ok(Self { path: path.to_owned(), tables: Vec::new(), trails: Trails::default() })
     }
 
@@ -39,7 +40,12 @@ impl Folder {
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn add<P: Precision>(&mut self, scene: &Scene, engine: &Engine<P>, shown: &[ShownDomain]) -> Result<(), String> {
+    pub fn add<P: Precision>(
+        &mut self,
+        scene: &Scene,
+        engine: &Engine<P>,
+        shown: &[ShownDomain],
+    ) -> Result<(), String> {
         for domain in shown {
             if !self.tables.iter().any(|(name, _)| *name == domain.name) {
                 let path = self.path.join(self.file_name(&domain.name));
@@ -48,7 +54,9 @@ impl Folder {
                 self.tables.push((domain.name.clone(), table));
             }
             if let Some((name, table)) = self.tables.iter_mut().find(|(name, _)| *name == domain.name) {
-                table.add(engine.time(), domain).map_err(|error| format!("cannot write the table of `{name}`: {error}"))?;
+                table
+                    .add(engine.time(), domain)
+                    .map_err(|error| format!("cannot write the table of `{name}`: {error}"))?;
             }
         }
         self.trails.add(engine.state());
@@ -79,7 +87,7 @@ impl Folder {
         if let Some(picture) = Picture::new(scene, &self.trails) {
             write("trajectories.svg", picture.to_string())?;
         }
-        write("summary.json", format!("{:#}\n", json::outcome(outcome)))?;
+        write("summary.json", json::text(&json::outcome(outcome)))?;
         if let Some(state) = &outcome.checkpoint {
             write("checkpoint.json", format!("{}\n", checkpoint::to_json(state)))?;
         }

@@ -25,7 +25,8 @@ pub fn outcome(outcome: &Outcome) -> Value {
     }
     invariants.insert("energy".to_owned(), energy_object);
     let momenta = outcome.drift.momenta.as_ref();
-    let of = |which: fn(&(VectorDrift, VectorDrift)) -> VectorDrift| momenta.map_or(json!({}), |both| vector(which(both)));
+    let of =
+        |which: fn(&(VectorDrift, VectorDrift)) -> VectorDrift| momenta.map_or(json!({}), |both| vector(which(both)));
     invariants.insert("momentum".to_owned(), of(|both| both.0));
     invariants.insert("angular_momentum".to_owned(), of(|both| both.1));
     let mut object = json!({
@@ -63,6 +64,34 @@ pub fn outcome(outcome: &Outcome) -> Value {
         root.insert("error".to_owned(), json!(texts.join("; ")));
     }
     object
+}
+
+/// JSON for people too: an entry a line, but lists of numbers and objects in lists each on one line.
+pub fn text(value: &Value) -> String {
+    let mut text = String::new();
+    write(&mut text, value, 0);
+    text.push('\n');
+    text
+}
+
+fn write(text: &mut String, value: &Value, depth: usize) {
+    let indent = "  ".repeat(depth + 1);
+    match value {
+        Value::Object(fields) if !fields.is_empty() => {
+            text.push_str("{\n");
+            for (index, (key, value)) in fields.iter().enumerate() {
+                text.push_str(&format!("{indent}{}: ", Value::from(key.as_str())));
+                write(text, value, depth + 1);
+                text.push_str(if index + 1 < fields.len() { ",\n" } else { "\n" });
+            }
+            text.push_str(&format!("{}}}", "  ".repeat(depth)));
+        }
+        Value::Array(items) if items.first().is_some_and(Value::is_object) => {
+            let lines: Vec<String> = items.iter().map(|item| format!("{indent}{item}")).collect();
+            text.push_str(&format!("[\n{}\n{}]", lines.join(",\n"), "  ".repeat(depth)));
+        }
+        _ => text.push_str(&value.to_string()),
+    }
 }
 
 fn law(law: &crate::run::LawOutcome) -> Value {

@@ -6,8 +6,8 @@
 use std::fmt::{self, Write};
 
 use super::rounded;
-use super::trails::{MOST_TRAILS, Trail};
 pub use super::trails::Trails;
+use super::trails::{MOST_TRAILS, Trail};
 use crate::scene::Scene;
 
 /// Room of the plot, in pixels.
@@ -16,8 +16,8 @@ const LEFT: f64 = 84.0;
 const TOP: f64 = 64.0;
 const BOTTOM: f64 = 64.0;
 const LEGEND: f64 = 190.0;
-/// More rows than this have no legend.
-const MOST_NAMES: usize = 24;
+/// More rows than this have no legend; of rows without labels, more than the second.
+const MOST_NAMES: [usize; 2] = [24, 12];
 /// Points nearer than this, in pixels, are one.
 const NEAR: f64 = 0.4;
 const COLOURS: [&str; 12] = [
@@ -105,15 +105,18 @@ impl Picture {
     pub fn new(scene: &Scene, trails: &Trails) -> Option<Self> {
         let view = View::of(&trails.list)?;
         let rows: usize = trails.list.iter().map(|trail| trail.rows).sum();
-        let legend = if rows <= MOST_NAMES { LEGEND } else { 24.0 };
-        let (width, height) = (LEFT + view.width + legend, TOP + view.height + BOTTOM);
-        let height = if rows <= MOST_NAMES { height.max(TOP + 20.0 * (rows as f64 + 4.0)) } else { height };
+        let labelled = trails.list.iter().all(|trail| scene.domain(&trail.domain).is_some_and(|d| d.labels.is_some()));
+        let named = rows <= MOST_NAMES[usize::from(!labelled)];
+        let title = scene.title.as_ref().map_or("trajectories", |title| title.value.as_str());
+        let legend = if named || !trails.links.is_empty() { LEGEND } else { 24.0 };
+        let width = (LEFT + view.width + legend).max(LEFT + 24.0 + 9.6 * title.chars().count() as f64);
+        let names = if named { rows as f64 } else { 0.0 };
+        let height = (TOP + view.height + BOTTOM).max(TOP + 20.0 * (names + 4.0));
         let mut svg = Svg { text: String::new() };
         svg.line(format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"sans-serif\" font-size=\"13\">"
         ));
         svg.line(format!("<rect width=\"{width:.0}\" height=\"{height:.0}\" fill=\"#ffffff\"/>"));
-        let title = scene.title.as_ref().map_or("trajectories", |title| title.value.as_str());
         svg.text(LEFT, 26.0, "font-size=\"17\" font-weight=\"bold\"", title);
         let times = format!("from {} to {}", duration(trails.begin), duration(trails.end));
         svg.text(LEFT, 47.0, "fill=\"#555\"", &times);
@@ -130,8 +133,8 @@ impl Picture {
             first += trail.rows;
         }
         svg.line("</g>".to_owned());
-        if rows <= MOST_NAMES {
-            svg.legend(&view, scene, trails);
+        if legend == LEGEND {
+            svg.legend(&view, scene, trails, named);
         }
         svg.line("</svg>".to_owned());
         Some(Picture { text: svg.text })
@@ -246,12 +249,12 @@ impl Svg {
         }
     }
 
-    fn legend(&mut self, view: &View, scene: &Scene, trails: &Trails) {
+    fn legend(&mut self, view: &View, scene: &Scene, trails: &Trails, named: bool) {
         let rows: usize = trails.list.iter().map(|trail| trail.rows).sum();
         let x = LEFT + view.width + 20.0;
         let mut y = TOP + 10.0;
         let mut first = 0;
-        for trail in &trails.list {
+        for trail in trails.list.iter().filter(|_| named) {
             let labels = scene.domain(&trail.domain).and_then(|domain| domain.labels.as_deref()).unwrap_or_default();
             for row in 0..trail.rows {
                 let colour = colour(first + row, rows);
@@ -341,7 +344,10 @@ mod tests {
     #[test]
     fn ticks() {
         assert_eq!([tick_step(0.9), tick_step(1.3), tick_step(34.0), tick_step(0.07)], [1.0, 2.0, 50.0, 0.1]);
-        assert_eq!([tick_label(0.30000000000000004, 0.1), tick_label(-0.0, 0.5), tick_label(50.0, 10.0)], ["0.3", "0", "50"]);
+        assert_eq!(
+            [tick_label(0.30000000000000004, 0.1), tick_label(-0.0, 0.5), tick_label(50.0, 10.0)],
+            ["0.3", "0", "50"]
+        );
         assert_eq!(length_unit(5e12).0, "au");
         assert_eq!(length_unit(2e4).0, "km");
         assert_eq!(length_unit(0.02).0, "mm");

@@ -9,7 +9,7 @@ use super::picture::duration;
 use super::rounded;
 use crate::run::drift::VectorDrift;
 use crate::run::{LawOutcome, Outcome};
-use crate::scene::Scene;
+use crate::scene::{Scene, plural};
 
 /// The summary of a run of `scene`.
 pub fn summary(scene: &Scene, outcome: &Outcome) -> String {
@@ -54,7 +54,13 @@ fn laws(text: &mut String, outcome: &Outcome) -> fmt::Result {
         for law in running {
             let backend = law.backend.unwrap_or("cpu");
             let seconds = rounded(law.seconds, 3);
-            writeln!(text, "{:width$}  {seconds:>10}  {backend:8}  {} rows of {}", law.name, law.rows, law.domain)?;
+            writeln!(
+                text,
+                "{:width$}  {seconds:>10}  {backend:8}  {} of {}",
+                law.name,
+                plural(law.rows, "row"),
+                law.domain
+            )?;
         }
     }
     for law in outcome.laws.iter().filter(|law| law.status != "active") {
@@ -110,11 +116,7 @@ fn compared(text: &mut String, scene: &Scene, outcome: &Outcome) -> fmt::Result 
     let head = if twice { format!("  {:>14}", format!("without {}", without.join(", "))) } else { String::new() };
     let column = compare.time.column.value.as_str();
     writeln!(text, "{:12}  {column:>12}  {:>10}  {:>14}{head}", "body", "after", "with all laws")?;
-    let mut order: Vec<_> = rows.iter().collect();
-    // Body by body, in the order in which the table names them first.
-    let names: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
-    order.sort_by_key(|row| names.iter().position(|name| *name == row.name));
-    for row in order {
+    for row in rows {
         let km = |metres: f64| format!("{:.*}", if metres < 1e5 { 2 } else { 0 }, metres / 1e3);
         let without = row.without.map_or(String::new(), |metres| format!("  {:>14}", km(metres)));
         writeln!(

@@ -30,7 +30,11 @@ impl Table {
                 1 => head += &format!(",{}", cell(name)),
                 width => {
                     for part in 0..width {
-                        let part = if width == 3 || width == 4 { ["x", "y", "z", "w"][part].to_owned() } else { part.to_string() };
+                        let part = if width == 3 || width == 4 {
+                            ["x", "y", "z", "w"][part].to_owned()
+                        } else {
+                            part.to_string()
+                        };
                         head += &format!(",{}", cell(&format!("{name}_{part}")));
                     }
                 }

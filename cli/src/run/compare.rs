@@ -31,6 +31,8 @@ pub struct Target {
     pub date: f64,
     /// The time of the scene, in s.
     pub time: f64,
+    /// Its row in the table.
+    pub row: usize,
     body: Body,
     position: [f64; 3],
 }
@@ -115,6 +117,7 @@ pub fn targets(scene: &Scene, compare: &Compare, start: f64) -> Result<Targets, 
                 name: name.to_owned(),
                 date: time[row],
                 time: start + (time[row] - compare.time.origin) * second,
+                row,
                 body: body.clone(),
                 position: [x[row] * metre, y[row] * metre, z[row] * metre],
             }),

@@ -75,7 +75,8 @@ impl Drift {
         energy.max_relative_drift = largest(energy.max_relative_drift, change);
 
         let state = engine.state();
-        let all: Vec<Invariants> = state.domains().iter().filter_map(|domain| invariants(state, domain.name())).collect();
+        let all: Vec<Invariants> =
+            state.domains().iter().filter_map(|domain| invariants(state, domain.name())).collect();
         // Masses in kg and parameters in m^3/s^2 have no common sum; where both stand, those of the masses are told.
         let by_parameter = all.iter().all(|sums| sums.weight == Weight::StandardGravitationalParameter);
         let alike = |sums: &&Invariants| by_parameter || sums.weight != Weight::StandardGravitationalParameter;
@@ -101,5 +102,11 @@ fn largest(a: f64, b: f64) -> f64 {
 }
 
 fn ratio(change: f64, scale: f64) -> f64 {
-    if change == 0.0 { 0.0 } else if scale == 0.0 { f64::NAN } else { change / scale }
+    if change == 0.0 {
+        0.0
+    } else if scale == 0.0 {
+        f64::NAN
+    } else {
+        change / scale
+    }
 }

@@ -25,8 +25,6 @@ pub struct Drive {
     piece: u64,
     wall: Duration,
     watched: Duration,
-    watched_steps: u64,
-    steps: u64,
     bar: ProgressBar,
 }
 
@@ -39,15 +37,7 @@ impl Drive {
             bar.set_style(style.progress_chars("=> "));
         }
         bar.set_message(what.to_owned());
-        Self {
-            times: Arc::new(LawTimes::new(laws)),
-            piece: 1,
-            wall: Duration::ZERO,
-            watched: Duration::ZERO,
-            watched_steps: 0,
-            steps: 0,
-            bar,
-        }
+        Self { times: Arc::new(LawTimes::new(laws)), piece: 1, wall: Duration::ZERO, watched: Duration::ZERO, bar }
     }
 
     /// Takes `engine` to step `target`, by steps of `step` s.
@@ -76,11 +66,9 @@ impl Drive {
         let result = engine.steps_of(count, step);
         let took = from.elapsed();
         self.wall += took;
-        self.steps += count;
         if watch {
             engine.set_probe(None);
             self.watched += took;
-            self.watched_steps += count;
         }
         self.bar.inc(count);
         result.map(|()| took)
@@ -89,6 +77,6 @@ impl Drive {
     /// Ends the run: its time, in s, and each law's.
     pub fn finish(self) -> (f64, Vec<f64>) {
         self.bar.finish_and_clear();
-        (self.wall.as_secs_f64(), self.times.seconds(self.steps, self.watched_steps))
+        (self.wall.as_secs_f64(), self.times.seconds(self.wall, self.watched))
     }
 }

@@ -97,6 +97,7 @@ impl<'s, P: CatalogPrecision> Ready<'s, P> {
                 Err(faults) => outcome.faults = faults,
             }
         }
+        outcome.compared.iter_mut().for_each(|rows| rows.sort_by_key(|row| row.row));
         let engine = &self.engine;
         outcome.time = engine.time();
         outcome.steps = engine.steps();

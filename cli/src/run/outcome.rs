@@ -36,6 +36,8 @@ pub struct Compared {
     pub date: f64,
     /// The time of the scene, in s.
     pub time: f64,
+    /// Its row in the table.
+    pub row: usize,
     /// Distance with all laws, in m.
     pub distance: f64,
     /// Distance without the laws left out, in m.
@@ -65,7 +67,7 @@ pub struct Outcome {
     pub unused: Vec<String>,
     /// Energy, momentum, angular momentum.
     pub drift: Drift,
-    /// Distances, where the scene compares.
+    /// Distances, where the scene compares, in the order of its table.
     pub compared: Option<Vec<Compared>>,
     /// Names of the table that the scene does not have.
     pub skipped: Vec<String>,

@@ -71,7 +71,9 @@ pub fn shown_columns<P: Precision>(scene: &Scene, engine: &Engine<P>) -> Vec<(St
                     && law.domain == domain.name()
                     && stock_law(&law.name).is_some_and(|law| {
                         let ports = law.signature.ports.iter();
-                        ports.filter(|port| port.mode == Mode::Rates && port.place == Place::Own).any(|port| port.property.name == name)
+                        ports
+                            .filter(|port| port.mode == Mode::Rates && port.place == Place::Own)
+                            .any(|port| port.property.name == name)
                     })
             })
         };

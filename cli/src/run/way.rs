@@ -101,8 +101,15 @@ impl Way<'_> {
         loop {
             while let Some((target, _, rest)) = dates.next_if(|(_, step, _)| *step <= engine.steps()) {
                 let distance = aside.distance(engine, target, rest, &self.targets.domain)?;
-                let Target { name, date, time, .. } = target.clone();
-                outcome.compared.get_or_insert_default().push(Compared { name, date, time, distance, without: None });
+                let Target { name, date, time, row, .. } = target.clone();
+                outcome.compared.get_or_insert_default().push(Compared {
+                    name,
+                    date,
+                    time,
+                    row,
+                    distance,
+                    without: None,
+                });
             }
             if engine.steps() >= last {
                 break;
@@ -130,7 +137,9 @@ impl Way<'_> {
         let slack = 1e-9 * self.course.step;
         let on_the_way = |target: &&Target| begin - slack <= target.time && target.time <= self.course.end + slack;
         let list = self.targets.list.iter().filter(on_the_way);
-        list.map(|target| (target, self.course.steps_at(target.time))).map(|(target, (step, rest))| (target, step, rest)).collect()
+        list.map(|target| (target, self.course.steps_at(target.time)))
+            .map(|(target, (step, rest))| (target, step, rest))
+            .collect()
     }
 
     /// The distances of a second run, without the laws that `[compare]` leaves out; none where it leaves none out.
@@ -175,13 +184,7 @@ struct Aside<'s, P: CatalogPrecision> {
 
 impl<P: CatalogPrecision> Aside<'_, P> {
     /// The distance of `main` from `target`, `rest` s later.
-    fn distance(
-        &mut self,
-        main: &Engine<P>,
-        target: &Target,
-        rest: f64,
-        domain: &str,
-    ) -> Result<f64, Vec<SceneFault>> {
+    fn distance(&mut self, main: &Engine<P>, target: &Target, rest: f64, domain: &str) -> Result<f64, Vec<SceneFault>> {
         if rest == 0.0 {
             return Ok(target.distance(main.state(), domain));
         }

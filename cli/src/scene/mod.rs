@@ -21,6 +21,7 @@ mod walk;
 use std::path::{Path, PathBuf};
 
 pub use data::*;
+pub(crate) use domains::plural;
 
 pub use crate::fault::{SceneFault, Sources, Span, Spanned, help_for, nearest, print_faults};
 use crate::generate;
@@ -57,6 +58,15 @@ const SECTIONS: [&str; 8] = ["title", "engine", "constants", "fields", "domains"
 impl Scene {
     /// Reads the scene file at `path`, applies the `--set` arguments, and fills its domains.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, Vec<SceneFault>> {
+        Self::read_and(path, overrides, |_| Vec::new())
+    }
+
+    /// The same, with faults that somebody else finds in what could be read, told together with those of the scene.
+    pub fn read_and(
+        path: &Path,
+        overrides: &[String],
+        more: impl FnOnce(&Self) -> Vec<(Span, SceneFault)>,
+    ) -> Result<Self, Vec<SceneFault>> {
         let file = path.display().to_string();
         let text = std::fs::read(path)
             .map_err(|error| vec![SceneFault::of_file(&file, format!("cannot be read: {error}"))])?;
@@ -65,11 +75,22 @@ impl Scene {
             vec![SceneFault::of_file(&file, format!("is not UTF-8 text: see byte {at}"))]
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::from_text(&file, &text, folder, overrides)
+        Self::from_text_and(&file, &text, folder, overrides, more)
     }
 
     /// Reads a scene from text; `file` is its name in faults, `folder` is where files that it names lie.
     pub fn from_text(file: &str, text: &str, folder: &Path, overrides: &[String]) -> Result<Self, Vec<SceneFault>> {
+        Self::from_text_and(file, text, folder, overrides, |_| Vec::new())
+    }
+
+    /// The same, with faults that somebody else finds, as in [`Scene::read_and`].
+    pub fn from_text_and(
+        file: &str,
+        text: &str,
+        folder: &Path,
+        overrides: &[String],
+        more: impl FnOnce(&Self) -> Vec<(Span, SceneFault)>,
+    ) -> Result<Self, Vec<SceneFault>> {
         let mut walk = Walk::default();
         let base = walk.sources.add(file, text, true);
         let bases: Vec<usize> =
@@ -95,12 +116,12 @@ impl Scene {
             };
             check::check(&mut walk, &scene, &incomplete, listed == scene.laws.len());
         }
-        let (sources, faults) = walk.into_faults();
-        if !faults.is_empty() {
-            return Err(faults);
+        scene.sources = walk.sources.clone();
+        for (span, fault) in more(&scene) {
+            walk.foreign_fault(span, fault);
         }
-        scene.sources = sources;
-        Ok(scene)
+        let faults = walk.into_faults();
+        if faults.is_empty() { Ok(scene) } else { Err(faults) }
     }
 
     fn read_sections(&mut self, walk: &mut Walk, root: &tree::Table) {

@@ -57,10 +57,10 @@ impl Walk {
     }
 
     /// All faults, by their place in the texts.
-    pub(crate) fn into_faults(mut self) -> (Sources, Vec<SceneFault>) {
+    pub(crate) fn into_faults(mut self) -> Vec<SceneFault> {
         self.faults.sort_by_key(|(span, _)| *span);
         self.faults.dedup_by(|b, a| a == b);
-        (self.sources, self.faults.into_iter().map(|(_, fault)| fault).collect())
+        self.faults.into_iter().map(|(_, fault)| fault).collect()
     }
 
     fn expected<T>(&mut self, what: &str, node: &Node) -> Option<T> {

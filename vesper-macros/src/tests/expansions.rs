@@ -225,7 +225,7 @@ fn kernels_of_every_shape() {
                  const ENERGY: bool = false; fn kernel<R: ::vesper::real::Real>(&self) -> Gravity<R>
                  { <Self as ::vesper::law::Law>::body::<R>(self) } }",
                 "impl ::vesper::backend::Compile for Gravity<f64> {",
-                "{ ::vesper::backend::pair::<P, Self>(self) }",
+                "{ ::vesper::backend::pair::<f64, Self>(self) }",
             ],
         ),
         (
@@ -234,18 +234,18 @@ fn kernels_of_every_shape() {
                 "{ #[inline] fn row(&self) {} #[inline(always)] fn energy",
                 "impl ::vesper::law::RowFamily for Motion { type Kernel<T: ::vesper::real::Real> = Motion;",
                 "const ENERGY: bool = true;",
-                "::vesper::backend::row::<P, Self>(self)",
+                "::vesper::backend::row::<f64, Self>(self)",
             ],
         ),
-        ("impl<R: Real> LinkLaw<R> for Spring {}", &["LinkFamily<2> for Spring", "backend::link::<P, Self, 2>(self)"]),
-        ("impl<R: Real> LinkLaw<R, 3> for a::Face<R> {}", &["LinkFamily<3> for a::Face<f64>", "link::<P, Self, 3>(self)"]),
+        ("impl<R: Real> LinkLaw<R> for Spring {}", &["LinkFamily<2> for Spring", "backend::link::<f64, Self, 2>(self)"]),
+        ("impl<R: Real> LinkLaw<R, 3> for a::Face<R> {}", &["LinkFamily<3> for a::Face<f64>", "link::<f64, Self, 3>(self)"]),
         (
             "impl<P: Scalar> ColumnLaw<P> for Contact<P> { fn columns(&self) {} }",
             &[
                 "{ fn columns(&self) {} }",
                 "impl ::vesper::law::ColumnFamily for Contact<f64> { type Kernel<P: ::vesper::real::Scalar> = Contact<P>;
                  fn kernel<P: ::vesper::real::Scalar>(&self) -> Contact<P>",
-                "::vesper::backend::column::<P, Self>(self)",
+                "::vesper::backend::column::<f64, Self>(self)",
             ],
         ),
     ];

@@ -7,13 +7,17 @@ use crate::property::Role;
 use crate::real::{Isa, Scalar};
 
 impl Compile for DynLaw {
-    fn compile<P: Scalar>(&self) -> Compiled<P> {
-        Compiled {
-            signature: self.signature,
-            energy: false,
-            kernel: Kernel::Row(Box::new(Closure { slots: self.signature.slots(), law: self.clone() })),
-        }
+    fn compile_f32(&self) -> Compiled<f32> {
+        compiled(self)
     }
+    fn compile_f64(&self) -> Compiled<f64> {
+        compiled(self)
+    }
+}
+
+fn compiled<P: Scalar>(law: &DynLaw) -> Compiled<P> {
+    let kernel = Closure { slots: law.signature.slots(), law: law.clone() };
+    Compiled { signature: law.signature, energy: false, kernel: Kernel::Row(Box::new(kernel)) }
 }
 
 struct Closure {

@@ -130,6 +130,7 @@ struct Gathered<'a, P, const N: usize> {
 }
 
 impl<P: Scalar, R: Lanes<P>, const N: usize> Source<R> for Gathered<'_, P, N> {
+    #[inline(always)]
     fn wants(&self, _port: usize) -> bool {
         true
     }

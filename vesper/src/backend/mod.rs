@@ -23,7 +23,7 @@ pub(crate) use pointers::{MAX_SLOTS, wants};
 pub(crate) use row::{RowCall, RowKernel};
 
 use crate::law::{Shape, Signature};
-use crate::real::Scalar;
+use crate::real::{InPrecision, Scalar};
 
 /// Rows that a group of row laws takes at a time: all laws of the group, then the next block. 512 rows of ten columns
 /// stay in the first cache; 128 to 512 were measured nearly equal, 4096 half as fast again.
@@ -36,8 +36,22 @@ pub(crate) const BLOCK: usize = 512;
     note = "write `#[kernel] impl<R: Real> RowLaw<R> for ...` (or PairLaw, LinkLaw, ColumnLaw) beside the struct"
 )]
 pub trait Compile {
+    /// The law with its loops, in f32. Not generic, so that a law's loops are made once, in the law's own crate, and not
+    /// again in every program that uses it.
+    fn compile_f32(&self) -> Compiled<f32>;
+    /// The law with its loops, in f64.
+    fn compile_f64(&self) -> Compiled<f64>;
     /// The law with its loops, in precision `P`.
-    fn compile<P: Scalar>(&self) -> Compiled<P>;
+    fn compile<P: Scalar>(&self) -> Compiled<P> {
+        P::choose::<CompiledIn>(|| self.compile_f32(), || self.compile_f64())
+    }
+}
+
+/// [`Compiled`] for either precision.
+struct CompiledIn;
+
+impl InPrecision for CompiledIn {
+    type Of<P: Scalar> = Compiled<P>;
 }
 
 /// A law with its loops.

@@ -7,6 +7,7 @@ use super::pointers::{MAX_SLOTS, Rows, RowsMut, SUMS, Slots, Splat, StoreAll, Su
 use super::{Compiled, Kernel};
 use crate::law::{Declared, PairFamily, PairLaw, Signature};
 use crate::real::{Isa, Lanes, Scalar, WithLanes};
+use core::ops::Range;
 
 /// One call of a pair kernel.
 pub(crate) struct PairCall<'a, P> {
@@ -82,6 +83,8 @@ impl<P: Scalar, F: PairFamily> PairKernel<P> for F {
     }
 }
 
+type RowOf<F, R> = <<F as PairFamily>::Kernel<R> as Declared<R>>::Row;
+
 struct Task<'a, P, F> {
     law: &'a F,
     call: &'a PairCall<'a, P>,
@@ -98,24 +101,9 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
         let source = unsafe { Rows::<P>::new(slots, i) };
         let row_i = <F::Kernel<R> as Declared<R>>::load(&source);
         let mut sums = Sums::zero(Self::FIRST);
-        let share = |j: usize| {
-            // SAFETY: see above.
-            let row_j = <F::Kernel<R> as Declared<R>>::load(&unsafe { Splat::new(slots, j) });
-            let mut share = Sums::zero(Self::FIRST);
-            <F::Kernel<R> as Declared<R>>::store(law.pair(row_i, row_j), &mut share);
-            share
-        };
-        let add = |sums: &mut Sums<R>, others: core::ops::Range<usize>| {
-            for j in others {
-                let share = share(j);
-                for (sum, share) in sums.values[..Self::ADDED].iter_mut().zip(share.values) {
-                    *sum += share;
-                }
-            }
-        };
-        add(&mut sums, 0..i);
-        Self::sum_own(&share, &mut sums, i..i + R::WIDTH);
-        add(&mut sums, i + R::WIDTH..rows);
+        Self::sum_others(law, slots, row_i, &mut sums, 0..i);
+        Self::sum_own(law, slots, row_i, &mut sums, i..i + R::WIDTH);
+        Self::sum_others(law, slots, row_i, &mut sums, i + R::WIDTH..rows);
         // SAFETY: see above.
         let mut sink = unsafe { RowsMut::<P, R, StoreAll>::new(slots, i, R::lit(0.0)) };
         for (k, sum) in sums.values[..Self::ADDED].iter().enumerate() {
@@ -123,13 +111,45 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
         }
     }
 
+    /// What row j does to the rows of the lanes.
+    #[inline(always)]
+    fn share<R: Lanes<P>>(law: &F::Kernel<R>, slots: &Slots<P>, row_i: RowOf<F, R>, j: usize) -> Sums<R> {
+        // SAFETY: see above.
+        let row_j = <F::Kernel<R> as Declared<R>>::load(&unsafe { Splat::new(slots, j) });
+        let mut share = Sums::zero(Self::FIRST);
+        <F::Kernel<R> as Declared<R>>::store(law.pair(row_i, row_j), &mut share);
+        share
+    }
+
+    #[inline(always)]
+    fn sum_others<R: Lanes<P>>(
+        law: &F::Kernel<R>,
+        slots: &Slots<P>,
+        row_i: RowOf<F, R>,
+        sums: &mut Sums<R>,
+        others: Range<usize>,
+    ) {
+        for j in others {
+            let share = Self::share(law, slots, row_i, j);
+            for (sum, share) in sums.values[..Self::ADDED].iter_mut().zip(share.values) {
+                *sum += share;
+            }
+        }
+    }
+
     /// What the rows of the lanes do to each other: in one lane i is j, and that lane's sum stays as it is.
     #[inline(always)]
-    fn sum_own<R: Lanes<P>>(share: &impl Fn(usize) -> Sums<R>, sums: &mut Sums<R>, own: core::ops::Range<usize>) {
+    fn sum_own<R: Lanes<P>>(
+        law: &F::Kernel<R>,
+        slots: &Slots<P>,
+        row_i: RowOf<F, R>,
+        sums: &mut Sums<R>,
+        own: Range<usize>,
+    ) {
         let lane = R::from_lanes(|lane| P::from_f64(lane as f64));
         for (index, j) in own.enumerate() {
             let itself = lane.equal(R::lit(index as f64));
-            let share = share(j);
+            let share = Self::share(law, slots, row_i, j);
             for (sum, share) in sums.values[..Self::ADDED].iter_mut().zip(share.values) {
                 *sum = R::select(itself, *sum, *sum + share);
             }

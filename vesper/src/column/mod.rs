@@ -27,6 +27,8 @@ pub struct Column<P: Scalar> {
     pub(crate) subset: Option<Vec<u32>>,
     /// Whether the client gave it; else a law's result made it.
     pub(crate) given: bool,
+    /// Whether clients may look: what laws only exchange among themselves is not kept up to date for others.
+    pub(crate) shown: bool,
 }
 
 /// Where a column's numbers are.
@@ -56,7 +58,7 @@ impl<P: Scalar> Column<P> {
     /// A column of zeros that the framework makes for a law's results.
     pub(crate) fn computed(info: PropertyInfo, rows: usize, stream: usize) -> Self {
         let components = (0..info.kind.width()).map(|c| Aligned::zeros(rows, stream + c)).collect();
-        Column { info, storage: Storage::Split(components), subset: None, given: false }
+        Column { info, storage: Storage::Split(components), subset: None, given: false, shown: false }
     }
 
     /// The property.

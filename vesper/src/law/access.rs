@@ -3,7 +3,8 @@
 //!
 //! A *slot* is the number of a component among all components of all ports of a law.
 
-use crate::property::{Numeric, Property, Role, ValueOf};
+use super::Mode;
+use crate::property::{Give, Numeric, Property, Role, Take, ValueOf};
 use crate::real::Real;
 
 /// The values and results of a law over the numbers `R`. Made by `#[derive(Law)]`.
@@ -60,12 +61,30 @@ pub const fn slots<const N: usize, const M: usize>(widths: &[usize; N]) -> [usiz
     slots
 }
 
+/// The components of one port.
+struct Reader<'a, S> {
+    source: &'a S,
+    wanted: bool,
+    constant: bool,
+    slot: usize,
+}
+
+impl<R: Real, S: Source<R>> Give<R> for Reader<'_, S> {
+    #[inline(always)]
+    fn give(&mut self, component: usize) -> R {
+        match (self.wanted, self.constant) {
+            (false, _) => R::lit(f64::NAN),
+            (true, false) => self.source.component(self.slot + component),
+            (true, true) => self.source.constant(self.slot + component),
+        }
+    }
+}
+
 /// Loads a value of property `Q`.
 #[inline(always)]
 pub fn read<Q: Property<Kind: Numeric>, R: Real, S: Source<R>>(source: &S, port: usize, slot: usize) -> ValueOf<Q, R> {
-    <Q::Kind as Numeric>::from_components(|component| {
-        if source.wants(port) { source.component(slot + component) } else { R::lit(f64::NAN) }
-    })
+    let wanted = source.wants(port);
+    <Q::Kind as Numeric>::from_components(Reader { source, wanted, constant: false, slot })
 }
 
 /// Loads a constant of the scene.
@@ -75,9 +94,8 @@ pub fn read_constant<Q: Property<Kind: Numeric>, R: Real, S: Source<R>>(
     port: usize,
     slot: usize,
 ) -> ValueOf<Q, R> {
-    <Q::Kind as Numeric>::from_components(|component| {
-        if source.wants(port) { source.constant(slot + component) } else { R::lit(f64::NAN) }
-    })
+    let wanted = source.wants(port);
+    <Q::Kind as Numeric>::from_components(Reader { source, wanted, constant: true, slot })
 }
 
 /// Loads a value of property `Q` where there is one.
@@ -87,7 +105,7 @@ pub fn read_optional<Q: Property<Kind: Numeric>, R: Real, S: Source<R>>(
     port: usize,
     slot: usize,
 ) -> Option<ValueOf<Q, R>> {
-    source.has(slot).then(|| read::<Q, R, S>(source, port, slot))
+    if source.has(slot) { Some(read::<Q, R, S>(source, port, slot)) } else { None }
 }
 
 /// Loads a constant of the scene where there is one.
@@ -97,7 +115,33 @@ pub fn read_optional_constant<Q: Property<Kind: Numeric>, R: Real, S: Source<R>>
     port: usize,
     slot: usize,
 ) -> Option<ValueOf<Q, R>> {
-    source.has(slot).then(|| read_constant::<Q, R, S>(source, port, slot))
+    if source.has(slot) { Some(read_constant::<Q, R, S>(source, port, slot)) } else { None }
+}
+
+/// What becomes of the components of one port.
+struct Writer<'a, K> {
+    sink: &'a mut K,
+    mode: Mode,
+    coordinate: bool,
+    slot: usize,
+}
+
+impl<R: Real, K: Sink<R>> Take<R> for Writer<'_, K> {
+    #[inline(always)]
+    fn take(&mut self, component: usize, number: R) {
+        let slot = self.slot + component;
+        match self.mode {
+            Mode::Adds => self.sink.add(slot, number),
+            Mode::Rates => self.sink.rate(self.coordinate, slot, number),
+            _ => self.sink.set(slot, number),
+        }
+    }
+}
+
+#[inline(always)]
+fn write<Q: Property<Kind: Numeric>, R: Real, K: Sink<R>>(sink: &mut K, mode: Mode, slot: usize, value: ValueOf<Q, R>) {
+    let coordinate = const { matches!(Q::INFO.role, Role::Coordinate) };
+    <Q::Kind as Numeric>::each_component(value, Writer { sink, mode, coordinate, slot });
 }
 
 /// Stores a value computed anew.
@@ -108,7 +152,7 @@ pub fn write_set<Q: Property<Kind: Numeric>, R: Real, K: Sink<R>>(
     slot: usize,
     value: ValueOf<Q, R>,
 ) {
-    <Q::Kind as Numeric>::each_component(value, |component, number| sink.set(slot + component, number));
+    write::<Q, R, K>(sink, Mode::Sets, slot, value);
 }
 
 /// Adds a value to a sum.
@@ -119,7 +163,7 @@ pub fn write_add<Q: Property<Kind: Numeric>, R: Real, K: Sink<R>>(
     slot: usize,
     value: ValueOf<Q, R>,
 ) {
-    <Q::Kind as Numeric>::each_component(value, |component, number| sink.add(slot + component, number));
+    write::<Q, R, K>(sink, Mode::Adds, slot, value);
 }
 
 /// Gives the rate of a state.
@@ -130,18 +174,16 @@ pub fn write_rate<Q: Property<Kind: Numeric>, R: Real, K: Sink<R>>(
     slot: usize,
     value: ValueOf<Q, R>,
 ) {
-    <Q::Kind as Numeric>::each_component(value, |component, number| {
-        sink.rate(const { matches!(Q::INFO.role, Role::Coordinate) }, slot + component, number);
-    });
+    write::<Q, R, K>(sink, Mode::Rates, slot, value);
 }
 
 /// Stores a corrected state.
 #[inline(always)]
 pub fn write_amend<Q: Property<Kind: Numeric>, R: Real, K: Sink<R>>(
     sink: &mut K,
-    port: usize,
+    _port: usize,
     slot: usize,
     value: ValueOf<Q, R>,
 ) {
-    write_set::<Q, R, K>(sink, port, slot, value);
+    write::<Q, R, K>(sink, Mode::Amends, slot, value);
 }

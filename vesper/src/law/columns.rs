@@ -76,7 +76,7 @@ impl<'a, P: Scalar> ColumnAccess<'a, P> {
 fn value<Q: Property<Kind: Numeric>, P: Scalar>(view: &PortView<P>, row: usize) -> ValueOf<Q, P> {
     assert!(row < view.rows, "row {row} of {}, which has {}", Q::NAME, view.rows);
     // SAFETY: `ColumnAccess::new` was promised `rows` numbers for each component, and the row is one of them.
-    <Q::Kind as Numeric>::from_components(|c| unsafe { *view.components[c].add(row * view.stride) })
+    <Q::Kind as Numeric>::from_components(|c: usize| unsafe { *view.components[c].add(row * view.stride) })
 }
 
 /// The values of property `Q` of all rows.
@@ -134,7 +134,7 @@ impl<Q: Property<Kind: Numeric>, P: Scalar> SliceMut<'_, Q, P> {
         assert!(row < self.view.rows, "row {row} of {}, which has {}", Q::NAME, self.view.rows);
         let view = self.view;
         // SAFETY: `ColumnAccess::new` was promised `rows` numbers for each component, and the row is one of them.
-        <Q::Kind as Numeric>::each_component(value, |c, number| unsafe {
+        <Q::Kind as Numeric>::each_component(value, |c: usize, number| unsafe {
             *view.components[c].add(row * view.stride) = number;
         });
     }
@@ -148,7 +148,7 @@ impl<Q: Property<Kind: Numeric>, P: Scalar> SliceMut<'_, Q, P> {
         assert!(row < self.view.rows, "row {row} of {}, which has {}", Q::NAME, self.view.rows);
         let view = self.view;
         // SAFETY: as in `set`.
-        <Q::Kind as Numeric>::each_component(share, |c, number| unsafe {
+        <Q::Kind as Numeric>::each_component(share, |c: usize, number| unsafe {
             *view.components[c].add(row * view.stride) += number;
         });
     }

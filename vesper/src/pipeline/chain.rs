@@ -302,29 +302,28 @@ struct Loop<'a, P, T, const DRIFT: bool> {
 
 impl<P: Scalar, T: Chained, const DRIFT: bool> Loop<'_, P, T, DRIFT> {
     #[inline(always)]
+    fn load<R: Lanes<P>>(&self, register: usize, row: usize) -> R {
+        let from = self.pointers[register];
+        // SAFETY: `FusedChain::run` was promised the rows; the same for all blocks here.
+        unsafe {
+            match const { &T::LAYOUT }.kinds[register] {
+                Register::Given => R::load(from.add(row)),
+                Register::Constant => R::splat(*from),
+                Register::Optional | Register::OptionalConstant | Register::Sum if from.is_null() => R::lit(0.0),
+                Register::Optional | Register::Sum => R::load(from.add(row)),
+                Register::OptionalConstant => R::splat(*from),
+                Register::Set => R::lit(0.0),
+            }
+        }
+    }
+
+    #[inline(always)]
     fn rows<R: Lanes<P>>(&self, bodies: &T::Bodies<R>, row: usize) {
         let zero = R::lit(0.0);
         let mut file = Registers { values: [zero; REGISTERS], rates: [zero; REGISTERS], present: 0 };
         let layout = const { &T::LAYOUT };
-        let load = |register: usize| {
-            let from = self.pointers[register];
-            // SAFETY: `FusedChain::run` was promised the rows; the same for all blocks here.
-            unsafe {
-                match layout.kinds[register] {
-                    Register::Given => R::load(from.add(row)),
-                    Register::Constant => R::splat(*from),
-                    Register::Optional if from.is_null() => zero,
-                    Register::Optional => R::load(from.add(row)),
-                    Register::OptionalConstant if from.is_null() => zero,
-                    Register::OptionalConstant => R::splat(*from),
-                    Register::Sum if from.is_null() => zero,
-                    Register::Sum => R::load(from.add(row)),
-                    Register::Set => zero,
-                }
-            }
-        };
         each_register!(|register| if register < layout.count {
-            file.values[register] = load(register);
+            file.values[register] = self.load(register, row);
             let computed = matches!(layout.kinds[register], Register::Sum | Register::Set);
             file.present |= u64::from(computed || !self.pointers[register].is_null()) << register;
         });
@@ -338,7 +337,7 @@ impl<P: Scalar, T: Chained, const DRIFT: bool> Loop<'_, P, T, DRIFT> {
             return;
         }
         each_register!(|register| if matches!(layout.kinds[register], Register::Sum) {
-            file.values[register] = load(register);
+            file.values[register] = self.load(register, row);
         });
         T::steps::<T, R, Drift>(bodies, &mut file);
         each_register!(|register| if layout.drifted[register] {

@@ -119,6 +119,12 @@ impl<P: Scalar> Pipeline<P> {
         for plan in &plans {
             plan::materialise(plan, &pipeline, state);
         }
+        for (index, domain) in state.domains.iter_mut().enumerate() {
+            for column in domain.columns.iter_mut().filter(|column| !column.given) {
+                let id = pipeline.registry.find(index, column.info.name);
+                column.shown = id.is_some_and(|id| pipeline.observed.contains(&id));
+            }
+        }
         pipeline.vectors = Vectors::new(&pipeline, state, integrator.work_vectors());
         pipeline.programs =
             plans.into_iter().map(|plan| program(plan, laws, chains, &pipeline, state, machine)).collect();

@@ -62,9 +62,34 @@ pub trait Numeric: KindOf {
     /// What a kernel over the numbers `R` gets and gives.
     type Value<R: Real>: Copy + Send + Sync + fmt::Debug + 'static;
     /// A value from its components.
-    fn from_components<R: Real>(component: impl FnMut(usize) -> R) -> Self::Value<R>;
+    fn from_components<R: Real>(components: impl Give<R>) -> Self::Value<R>;
     /// A value's components, in order.
-    fn each_component<R: Real>(value: Self::Value<R>, component: impl FnMut(usize, R));
+    fn each_component<R: Real>(value: Self::Value<R>, components: impl Take<R>);
+}
+
+/// Gives components by their number. Closures do; lanes need a type of their own, whose method is always inlined: a
+/// closure cannot be told to be, and what is not inlined is compiled without the instructions of the lanes.
+pub trait Give<R> {
+    /// The component of this number; asked for in order.
+    fn give(&mut self, component: usize) -> R;
+}
+impl<R, F: FnMut(usize) -> R> Give<R> for F {
+    #[inline(always)]
+    fn give(&mut self, component: usize) -> R {
+        self(component)
+    }
+}
+
+/// Takes components and their numbers. Closures do; see [`Give`].
+pub trait Take<R> {
+    /// The component of this number; offered in order.
+    fn take(&mut self, component: usize, number: R);
+}
+impl<R, F: FnMut(usize, R)> Take<R> for F {
+    #[inline(always)]
+    fn take(&mut self, component: usize, number: R) {
+        self(component, number);
+    }
 }
 
 /// One number.
@@ -96,38 +121,39 @@ impl<const N: usize> KindOf for Link<N> {
 impl Numeric for Scalar {
     type Value<R: Real> = R;
     #[inline(always)]
-    fn from_components<R: Real>(mut component: impl FnMut(usize) -> R) -> R {
-        component(0)
+    fn from_components<R: Real>(mut components: impl Give<R>) -> R {
+        components.give(0)
     }
     #[inline(always)]
-    fn each_component<R: Real>(value: R, mut component: impl FnMut(usize, R)) {
-        component(0, value);
+    fn each_component<R: Real>(value: R, mut components: impl Take<R>) {
+        components.take(0, value);
     }
 }
 impl Numeric for Vector {
     type Value<R: Real> = R::Vec3;
     #[inline(always)]
-    fn from_components<R: Real>(mut component: impl FnMut(usize) -> R) -> R::Vec3 {
-        let (x, y, z) = (component(0), component(1), component(2));
+    fn from_components<R: Real>(mut components: impl Give<R>) -> R::Vec3 {
+        let (x, y, z) = (components.give(0), components.give(1), components.give(2));
         R::Vec3::new(x, y, z)
     }
     #[inline(always)]
-    fn each_component<R: Real>(value: R::Vec3, mut component: impl FnMut(usize, R)) {
-        component(0, value.x());
-        component(1, value.y());
-        component(2, value.z());
+    fn each_component<R: Real>(value: R::Vec3, mut components: impl Take<R>) {
+        components.take(0, value.x());
+        components.take(1, value.y());
+        components.take(2, value.z());
     }
 }
 impl Numeric for Quaternion {
     type Value<R: Real> = [R; 4];
     #[inline(always)]
-    fn from_components<R: Real>(component: impl FnMut(usize) -> R) -> [R; 4] {
-        core::array::from_fn(component)
+    fn from_components<R: Real>(mut components: impl Give<R>) -> [R; 4] {
+        [components.give(0), components.give(1), components.give(2), components.give(3)]
     }
     #[inline(always)]
-    fn each_component<R: Real>(value: [R; 4], mut component: impl FnMut(usize, R)) {
-        for (index, number) in value.into_iter().enumerate() {
-            component(index, number);
-        }
+    fn each_component<R: Real>([x, y, z, w]: [R; 4], mut components: impl Take<R>) {
+        components.take(0, x);
+        components.take(1, y);
+        components.take(2, z);
+        components.take(3, w);
     }
 }

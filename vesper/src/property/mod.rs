@@ -6,6 +6,7 @@
 mod kind;
 mod standard;
 
+pub(crate) use kind::{Give, Take};
 pub use kind::{Kind, KindOf, Link, Numeric, Quaternion, Scalar, Vector};
 pub use standard::*;
 

@@ -14,7 +14,7 @@ mod vector;
 mod x86;
 
 pub use lanes::{Isa, Lanes, WithLanes};
-pub use scalar::Scalar;
+pub use scalar::{InPrecision, Scalar};
 pub use vector::Vec3;
 
 use core::fmt::Debug;

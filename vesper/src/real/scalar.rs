@@ -15,8 +15,16 @@ pub trait Scalar: Real + Lanes<Self> + PartialOrd + Default + core::fmt::Display
     fn is_finite(self) -> bool;
     /// Its bits, for hashes and exact comparison.
     fn bits(self) -> u64;
+    /// The one of two things that is made for this precision.
+    fn choose<T: InPrecision>(single: impl FnOnce() -> T::Of<f32>, double: impl FnOnce() -> T::Of<f64>) -> T::Of<Self>;
     /// Runs `task` in the widest lanes of the instruction set `isa`.
     fn with_lanes<T: WithLanes<Self>>(isa: Isa, task: T) -> T::Output;
+}
+
+/// Something that there is for either precision.
+pub trait InPrecision {
+    /// It, for precision `P`.
+    type Of<P: Scalar>;
 }
 
 mod sealed {
@@ -27,7 +35,7 @@ mod sealed {
 }
 
 macro_rules! scalar {
-    ($scalar:ident, $vector:ty, $width:literal, $avx2:ident, $avx512:ident) => {
+    ($scalar:ident, $vector:ty, $width:literal, $avx2:ident, $avx512:ident, |$single:ident, $double:ident| $chosen:ident) => {
         impl Real for $scalar {
             type Vec3 = $vector;
             type Mask = bool;
@@ -147,6 +155,13 @@ macro_rules! scalar {
             fn bits(self) -> u64 {
                 self.to_bits().into()
             }
+            fn choose<T: InPrecision>(
+                $single: impl FnOnce() -> T::Of<f32>,
+                $double: impl FnOnce() -> T::Of<f64>,
+            ) -> T::Of<Self> {
+                let _ = (&$single, &$double);
+                $chosen()
+            }
             #[inline(always)]
             fn with_lanes<T: WithLanes<Self>>(isa: Isa, task: T) -> T::Output {
                 match isa {
@@ -163,5 +178,5 @@ macro_rules! scalar {
         }
     };
 }
-scalar!(f32, glam::Vec3, 16, Avx2F32, Avx512F32);
-scalar!(f64, glam::DVec3, 8, Avx2F64, Avx512F64);
+scalar!(f32, glam::Vec3, 16, Avx2F32, Avx512F32, |single, double| single);
+scalar!(f64, glam::DVec3, 8, Avx2F64, Avx512F64, |single, double| double);

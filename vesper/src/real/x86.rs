@@ -27,9 +27,12 @@ pub(super) unsafe fn avx512<P, R: Lanes<P>, T: WithLanes<P>>(task: T) -> T::Outp
 }
 
 /// One lane type: `$count` registers of `$register`, each with `$per` numbers of `$scalar`.
+///
+/// Everything is written out for each register, and lanes are never touched in a closure: a closure cannot be told to be
+/// inlined, and whatever is not is compiled without the instructions of its lanes, as calls of them, 50 times slower.
 macro_rules! lanes {
     (
-        $name:ident, $mask:ident, $scalar:ident, $register:ty, $truth:ty, $count:literal, $per:literal,
+        $name:ident, $mask:ident, $scalar:ident, $register:ty, $truth:ty, $count:literal [$($i:literal)+], $per:literal,
         $set1:ident $load:ident $store:ident $add:ident $sub:ident $mul:ident $div:ident $sqrt:ident $min:ident $max:ident,
         |$a:ident, $b:ident, $m:ident| neg $neg:expr, abs $abs:expr, less $less:expr, less_or_equal $less_eq:expr,
         equal $equal:expr, select $select:expr, and $and:expr, or $or:expr, not $not:expr
@@ -46,18 +49,6 @@ macro_rules! lanes {
 
         impl $name {
             #[inline(always)]
-            fn map(self, f: impl Fn($register) -> $register) -> Self {
-                $name(core::array::from_fn(|i| f(self.0[i])))
-            }
-            #[inline(always)]
-            fn zip(self, other: Self, f: impl Fn($register, $register) -> $register) -> Self {
-                $name(core::array::from_fn(|i| f(self.0[i], other.0[i])))
-            }
-            #[inline(always)]
-            fn compare(self, other: Self, f: impl Fn($register, $register) -> $truth) -> $mask {
-                $mask(core::array::from_fn(|i| f(self.0[i], other.0[i])))
-            }
-            #[inline(always)]
             fn each(self, f: impl Fn($scalar) -> $scalar) -> Self {
                 Self::from_lanes(|i| f(self.lane(i)))
             }
@@ -70,7 +61,7 @@ macro_rules! lanes {
             #[inline(always)]
             fn add(self, other: Self) -> Self {
                 // SAFETY: see above.
-                self.zip(other, |a, b| unsafe { $add(a, b) })
+                $name([$(unsafe { $add(self.0[$i], other.0[$i]) }),+])
             }
         }
         impl Sub for $name {
@@ -78,7 +69,7 @@ macro_rules! lanes {
             #[inline(always)]
             fn sub(self, other: Self) -> Self {
                 // SAFETY: see above.
-                self.zip(other, |a, b| unsafe { $sub(a, b) })
+                $name([$(unsafe { $sub(self.0[$i], other.0[$i]) }),+])
             }
         }
         impl Mul for $name {
@@ -86,7 +77,7 @@ macro_rules! lanes {
             #[inline(always)]
             fn mul(self, other: Self) -> Self {
                 // SAFETY: see above.
-                self.zip(other, |a, b| unsafe { $mul(a, b) })
+                $name([$(unsafe { $mul(self.0[$i], other.0[$i]) }),+])
             }
         }
         impl Div for $name {
@@ -94,7 +85,7 @@ macro_rules! lanes {
             #[inline(always)]
             fn div(self, other: Self) -> Self {
                 // SAFETY: see above.
-                self.zip(other, |a, b| unsafe { $div(a, b) })
+                $name([$(unsafe { $div(self.0[$i], other.0[$i]) }),+])
             }
         }
         impl Neg for $name {
@@ -102,7 +93,10 @@ macro_rules! lanes {
             #[inline(always)]
             fn neg(self) -> Self {
                 // SAFETY: see above.
-                self.map(|$a| unsafe { $neg })
+                $name([$({
+                    let $a = self.0[$i];
+                    unsafe { $neg }
+                }),+])
             }
         }
         impl AddAssign for $name {
@@ -121,42 +115,42 @@ macro_rules! lanes {
             type Output = Self;
             #[inline(always)]
             fn bitand(self, other: Self) -> Self {
-                $mask(core::array::from_fn(|i| {
-                    let ($a, $b) = (self.0[i], other.0[i]);
+                $mask([$({
+                    let ($a, $b) = (self.0[$i], other.0[$i]);
                     #[allow(unused_unsafe, reason = "mask registers are combined by safe operators")]
                     // SAFETY: see above.
                     unsafe {
                         $and
                     }
-                }))
+                }),+])
             }
         }
         impl BitOr for $mask {
             type Output = Self;
             #[inline(always)]
             fn bitor(self, other: Self) -> Self {
-                $mask(core::array::from_fn(|i| {
-                    let ($a, $b) = (self.0[i], other.0[i]);
+                $mask([$({
+                    let ($a, $b) = (self.0[$i], other.0[$i]);
                     #[allow(unused_unsafe, reason = "mask registers are combined by safe operators")]
                     // SAFETY: see above.
                     unsafe {
                         $or
                     }
-                }))
+                }),+])
             }
         }
         impl Not for $mask {
             type Output = Self;
             #[inline(always)]
             fn not(self) -> Self {
-                $mask(core::array::from_fn(|i| {
-                    let $a = self.0[i];
+                $mask([$({
+                    let $a = self.0[$i];
                     #[allow(unused_unsafe, reason = "mask registers are combined by safe operators")]
                     // SAFETY: see above.
                     unsafe {
                         $not
                     }
-                }))
+                }),+])
             }
         }
 
@@ -170,22 +164,25 @@ macro_rules! lanes {
             #[inline(always)]
             fn sqrt(self) -> Self {
                 // SAFETY: see above.
-                self.map(|a| unsafe { $sqrt(a) })
+                $name([$(unsafe { $sqrt(self.0[$i]) }),+])
             }
             #[inline(always)]
             fn abs(self) -> Self {
                 // SAFETY: see above.
-                self.map(|$a| unsafe { $abs })
+                $name([$({
+                    let $a = self.0[$i];
+                    unsafe { $abs }
+                }),+])
             }
             #[inline(always)]
             fn min(self, other: Self) -> Self {
                 // SAFETY: see above.
-                self.zip(other, |a, b| unsafe { $min(a, b) })
+                $name([$(unsafe { $min(self.0[$i], other.0[$i]) }),+])
             }
             #[inline(always)]
             fn max(self, other: Self) -> Self {
                 // SAFETY: see above.
-                self.zip(other, |a, b| unsafe { $max(a, b) })
+                $name([$(unsafe { $max(self.0[$i], other.0[$i]) }),+])
             }
             fn sin(self) -> Self {
                 self.each($scalar::sin)
@@ -205,25 +202,34 @@ macro_rules! lanes {
             #[inline(always)]
             fn less(self, other: Self) -> $mask {
                 // SAFETY: see above.
-                self.compare(other, |$a, $b| unsafe { $less })
+                $mask([$({
+                    let ($a, $b) = (self.0[$i], other.0[$i]);
+                    unsafe { $less }
+                }),+])
             }
             #[inline(always)]
             fn less_or_equal(self, other: Self) -> $mask {
                 // SAFETY: see above.
-                self.compare(other, |$a, $b| unsafe { $less_eq })
+                $mask([$({
+                    let ($a, $b) = (self.0[$i], other.0[$i]);
+                    unsafe { $less_eq }
+                }),+])
             }
             #[inline(always)]
             fn equal(self, other: Self) -> $mask {
                 // SAFETY: see above.
-                self.compare(other, |$a, $b| unsafe { $equal })
+                $mask([$({
+                    let ($a, $b) = (self.0[$i], other.0[$i]);
+                    unsafe { $equal }
+                }),+])
             }
             #[inline(always)]
             fn select(mask: $mask, yes: Self, no: Self) -> Self {
-                $name(core::array::from_fn(|i| {
-                    let ($m, $a, $b) = (mask.0[i], yes.0[i], no.0[i]);
+                $name([$({
+                    let ($m, $a, $b) = (mask.0[$i], yes.0[$i], no.0[$i]);
                     // SAFETY: see above.
                     unsafe { $select }
-                }))
+                }),+])
             }
         }
 
@@ -232,14 +238,12 @@ macro_rules! lanes {
             #[inline(always)]
             unsafe fn load(from: *const $scalar) -> Self {
                 // SAFETY: the caller promises WIDTH readable numbers; the instruction takes any alignment.
-                $name(core::array::from_fn(|i| unsafe { $load(from.add(i * $per)) }))
+                $name([$(unsafe { $load(from.add($i * $per)) }),+])
             }
             #[inline(always)]
             unsafe fn store(self, to: *mut $scalar) {
-                for (i, register) in self.0.into_iter().enumerate() {
-                    // SAFETY: the caller promises WIDTH writable numbers; the instruction takes any alignment.
-                    unsafe { $store(to.add(i * $per), register) };
-                }
+                // SAFETY: the caller promises WIDTH writable numbers; the instruction takes any alignment.
+                unsafe { $($store(to.add($i * $per), self.0[$i]);)+ }
             }
             #[inline(always)]
             fn splat(value: $scalar) -> Self {
@@ -264,7 +268,7 @@ macro_rules! lanes {
 }
 
 lanes!(
-    Avx2F32, Avx2F32Mask, f32, __m256, __m256, 2, 8,
+    Avx2F32, Avx2F32Mask, f32, __m256, __m256, 2 [0 1], 8,
     _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps
     _mm256_sqrt_ps _mm256_min_ps _mm256_max_ps,
     |a, b, m| neg _mm256_xor_ps(a, _mm256_set1_ps(-0.0)), abs _mm256_andnot_ps(_mm256_set1_ps(-0.0), a),
@@ -273,7 +277,7 @@ lanes!(
     and _mm256_and_ps(a, b), or _mm256_or_ps(a, b), not _mm256_xor_ps(a, _mm256_castsi256_ps(_mm256_set1_epi32(-1)))
 );
 lanes!(
-    Avx2F64, Avx2F64Mask, f64, __m256d, __m256d, 2, 4,
+    Avx2F64, Avx2F64Mask, f64, __m256d, __m256d, 2 [0 1], 4,
     _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd
     _mm256_sqrt_pd _mm256_min_pd _mm256_max_pd,
     |a, b, m| neg _mm256_xor_pd(a, _mm256_set1_pd(-0.0)), abs _mm256_andnot_pd(_mm256_set1_pd(-0.0), a),
@@ -282,7 +286,7 @@ lanes!(
     and _mm256_and_pd(a, b), or _mm256_or_pd(a, b), not _mm256_xor_pd(a, _mm256_castsi256_pd(_mm256_set1_epi32(-1)))
 );
 lanes!(
-    Avx512F32, Avx512F32Mask, f32, __m512, __mmask16, 1, 16,
+    Avx512F32, Avx512F32Mask, f32, __m512, __mmask16, 1 [0], 16,
     _mm512_set1_ps _mm512_loadu_ps _mm512_storeu_ps _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps
     _mm512_sqrt_ps _mm512_min_ps _mm512_max_ps,
     |a, b, m| neg _mm512_xor_ps(a, _mm512_set1_ps(-0.0)), abs _mm512_abs_ps(a),
@@ -291,7 +295,7 @@ lanes!(
     and a & b, or a | b, not !a
 );
 lanes!(
-    Avx512F64, Avx512F64Mask, f64, __m512d, __mmask8, 1, 8,
+    Avx512F64, Avx512F64Mask, f64, __m512d, __mmask8, 1 [0], 8,
     _mm512_set1_pd _mm512_loadu_pd _mm512_storeu_pd _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd
     _mm512_sqrt_pd _mm512_min_pd _mm512_max_pd,
     |a, b, m| neg _mm512_xor_pd(a, _mm512_set1_pd(-0.0)), abs _mm512_abs_pd(a),

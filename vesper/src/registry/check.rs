@@ -43,7 +43,8 @@ pub(super) fn entries(entries: &[Entry]) -> Vec<Fault> {
                 }
                 _ => {}
             }
-            let known = faults.iter().any(|fault| matches!(fault, Fault::EveryOutput { law, .. } if law == entry.label()));
+            let known =
+                faults.iter().any(|fault| matches!(fault, Fault::EveryOutput { law, .. } if law == entry.label()));
             if every > 1 && !port.mode.is_input() && port.mode != Mode::Adds && !known {
                 faults.push(Fault::EveryOutput {
                     law: law(),
@@ -51,6 +52,10 @@ pub(super) fn entries(entries: &[Entry]) -> Vec<Fault> {
                     does: port.mode.does().to_owned(),
                     property: port.property.name.to_owned(),
                 });
+            }
+            let looks_back = |other: &Port| other.mode == Mode::Previous && other.property.name == port.property.name;
+            if port.mode == Mode::Adds && entry.signature.ports.iter().any(looks_back) {
+                faults.push(Fault::PreviousOfSum { law: law(), property: port.property.name.to_owned() });
             }
             if port.place == Place::Field && port.property.kind != Kind::Vector {
                 let kind = port.property.kind.to_string();
@@ -77,29 +82,29 @@ pub(super) fn entries(entries: &[Entry]) -> Vec<Fault> {
 pub(super) fn declarations<P: Scalar>(entries: &[Entry], state: &State<P>, faults: &mut Vec<Fault>) {
     let mut known: Vec<(PropertyInfo, String)> = Vec::new();
     // What a client gives need not say what integrators and adding laws make of it; laws must agree.
-    let mut declare = |info: PropertyInfo, by: String, law: bool| match known.iter().find(|(other, _)| other.name == info.name)
-    {
-        None => known.push((info, by)),
-        Some((other, other_by))
-            if other.kind != info.kind || other.size != info.size || law && other.role != info.role =>
-        {
-            let roles = law && other.role != info.role;
-            let said = |info: &PropertyInfo| {
-                if roles { format!("{}, {}", info.measured(), info.role.word()) } else { info.measured() }
-            };
-            let fault = Fault::Declared {
-                property: info.name.to_owned(),
-                one: said(other),
-                one_by: other_by.clone(),
-                other: said(&info),
-                other_by: by,
-            };
-            if !faults.contains(&fault) {
-                faults.push(fault);
+    let mut declare =
+        |info: PropertyInfo, by: String, law: bool| match known.iter().find(|(other, _)| other.name == info.name) {
+            None => known.push((info, by)),
+            Some((other, other_by))
+                if other.kind != info.kind || other.size != info.size || law && other.role != info.role =>
+            {
+                let roles = law && other.role != info.role;
+                let said = |info: &PropertyInfo| {
+                    if roles { format!("{}, {}", info.measured(), info.role.word()) } else { info.measured() }
+                };
+                let fault = Fault::Declared {
+                    property: info.name.to_owned(),
+                    one: said(other),
+                    one_by: other_by.clone(),
+                    other: said(&info),
+                    other_by: by,
+                };
+                if !faults.contains(&fault) {
+                    faults.push(fault);
+                }
             }
-        }
-        Some(_) => {}
-    };
+            Some(_) => {}
+        };
     for entry in entries.iter().filter(|entry| entry.options.enabled) {
         for port in entry.signature.ports {
             declare(port.property, format!("law {}", entry.signature.name), true);
@@ -143,7 +148,9 @@ pub(super) fn seats<P: Scalar>(entries: &[Entry], registry: &Registry, state: &S
         .collect();
     for (index, (law, port, id)) in outputs.iter().enumerate() {
         let name = || registry.name(*id, state);
-        for (other, other_port, _) in outputs[..index].iter().filter(|(_, _, other)| other == id) {
+        // A law that is listed twice is a fault already.
+        let others = outputs[..index].iter().filter(|(other, _, other_id)| other_id == id && other != law);
+        for (other, other_port, _) in others {
             let two = (other.to_string(), law.to_string());
             match (other_port.mode, port.mode) {
                 (Mode::Sets, Mode::Sets) => faults.push(Fault::TwoSet { law: two.0, other: two.1, property: name() }),

@@ -154,6 +154,7 @@ impl Registry {
                 _ => {}
             }
         }
+        faults.dedup();
         Faults::unless_empty(faults, registry)
     }
 

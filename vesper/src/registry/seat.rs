@@ -37,7 +37,8 @@ fn given<P: Scalar>(state: &State<P>, domain: usize, property: &str) -> Option<u
 /// Places every enabled law, then puts to sleep, until nothing changes, those that lack something.
 pub(super) fn place<P: Scalar>(entries: &[Entry], state: &State<P>, faults: &mut Vec<Fault>) -> Placed {
     let stand = Standing::new(entries, state);
-    let domains: Vec<Option<usize>> = (0..entries.len()).map(|law| domain(law, entries, &stand, state, faults)).collect();
+    let domains: Vec<Option<usize>> =
+        (0..entries.len()).map(|law| domain(law, entries, &stand, state, faults)).collect();
     let targets = entries
         .iter()
         .zip(&domains)
@@ -131,9 +132,8 @@ impl Standing {
         };
         let mut stand = Standing { can: entries.iter().map(may).collect() };
         loop {
-            let lacking = |law: usize, domain: usize| {
-                stand.can[law][domain] && stand.lacks(law, domain, entries, state) > 0
-            };
+            let lacking =
+                |law: usize, domain: usize| stand.can[law][domain] && stand.lacks(law, domain, entries, state) > 0;
             let found: Vec<(usize, usize)> = (0..entries.len())
                 .flat_map(|law| (0..state.domains.len()).map(move |domain| (law, domain)))
                 .filter(|&(law, domain)| lacking(law, domain))

@@ -123,11 +123,17 @@ fn values_in<P: Scalar>(column: &Given<P>) -> usize {
 /// Memory that is lent to two columns: laws could not tell whose numbers they change.
 fn lent_twice<P: Scalar>(domains: &[Domain<P>], faults: &mut Vec<Fault>) {
     let mut known: Vec<(*const (), String)> = Vec::new();
-    for (domain, column) in domains.iter().flat_map(|domain| domain.columns.iter().map(move |column| (domain, column))) {
+    for (domain, column) in domains.iter().flat_map(|domain| domain.columns.iter().map(move |column| (domain, column)))
+    {
         let GivenValues::Lent(memory) = &column.values else { continue };
         let name = column.info.name;
         if domain.name == SCENE {
-            faults.push(Fault::client_memory(SCENE, name, "hold a constant", "can change while laws run: give the value"));
+            faults.push(Fault::client_memory(
+                SCENE,
+                name,
+                "hold a constant",
+                "can change while laws run: give the value",
+            ));
         }
         if let Some((_, first)) = known.iter().find(|(other, _)| *other == memory.identity()) {
             let why = format!("is lent to {first} already: lend each column memory of its own");
@@ -189,7 +195,7 @@ impl Check<'_> {
             rows.sort_unstable();
             rows
         });
-        (faults.len() == before).then_some(Column { info: column.info, storage, subset, given: true })
+        (faults.len() == before).then_some(Column { info: column.info, storage, subset, given: true, shown: true })
     }
 
     fn kind<P: Scalar>(&self, column: &Given<P>, faults: &mut Vec<Fault>) {

@@ -181,10 +181,10 @@ impl<P: Scalar> State<P> {
                 let twice = |column: &&Column<P>| {
                     domain.columns.iter().any(|old| old.given && old.info.name == column.info.name)
                 };
-                let faults = columns.iter().filter(twice).map(|column| Fault::ColumnTwice {
-                    domain: name.clone(),
-                    property: column.info.name.to_owned(),
-                });
+                let faults = columns
+                    .iter()
+                    .filter(twice)
+                    .map(|column| Fault::ColumnTwice { domain: name.clone(), property: column.info.name.to_owned() });
                 Faults::unless_empty(faults.collect(), ())?;
                 for column in columns {
                     domain.columns.retain(|old| old.info.name != column.info.name);

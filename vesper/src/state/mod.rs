@@ -34,13 +34,17 @@ impl<P: Scalar> DomainState<P> {
         self.rows
     }
 
-    /// Its columns, given ones and computed ones.
+    /// Its columns, given ones and computed ones; of the latter only those that are observed are up to date.
     pub fn columns(&self) -> &[Column<P>] {
         &self.columns
     }
 
     pub(crate) fn find(&self, property: &str) -> Option<usize> {
         self.columns.iter().position(|column| column.info.name == property)
+    }
+
+    fn shown(&self, property: &str) -> Option<usize> {
+        self.find(property).filter(|&index| self.columns[index].shown)
     }
 }
 
@@ -116,17 +120,17 @@ impl<P: Scalar> State<P> {
         Fault::NoProperty {
             domain: domain.name.clone(),
             property: property.to_owned(),
-            nearest: nearest(property, domain.columns.iter().map(|column| column.info.name)),
+            nearest: nearest(property, domain.columns.iter().filter(|column| column.shown).map(|column| column.info.name)),
         }
     }
 
-    /// A column, by name. Computed columns exist where they are observed or where laws exchange them.
+    /// A column, by name; of the computed ones those that are observed, as they were at the end of the last frame.
     ///
     /// # Errors
-    /// There is no such domain or property, or it is lent memory that the client is changing.
+    /// There is no such domain or property, nobody observes it, or it is lent memory that the client is changing.
     pub fn column(&self, domain: &str, property: &str) -> Result<&Column<P>, Fault> {
         let domain = self.domain(domain)?;
-        let index = domain.find(property).ok_or_else(|| Self::no_property(domain, property))?;
+        let index = domain.shown(property).ok_or_else(|| Self::no_property(domain, property))?;
         domain.columns[index].free(&domain.name, false)?;
         Ok(&domain.columns[index])
     }
@@ -138,7 +142,7 @@ impl<P: Scalar> State<P> {
     pub fn column_mut(&mut self, domain: &str, property: &str) -> Result<ColumnMut<'_, P>, Fault> {
         let place = self.domain_index(domain).ok_or_else(|| self.no_domain(domain))?;
         let domain = &mut self.domains[place];
-        let index = domain.find(property).ok_or_else(|| Self::no_property(domain, property))?;
+        let index = domain.shown(property).ok_or_else(|| Self::no_property(domain, property))?;
         domain.columns[index].free(&domain.name, true)?;
         Ok(ColumnMut(&mut domain.columns[index]))
     }

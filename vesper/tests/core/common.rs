@@ -11,6 +11,10 @@ property! {
     pub Cooling: Scalar, "1/s";
     /// What a law left for others.
     pub Trace: Vector, "N";
+    /// The force of the evaluation before.
+    pub Memory: Vector, "N";
+    /// How fast a row turns.
+    pub Spin: Scalar, "rad/s", momentum of Angle;
     /// Something no law uses.
     pub Colour: Vector, "1";
     /// An angle: a second coordinate.
@@ -162,15 +166,27 @@ impl<R: Real> RowLaw<R> for Floor {
     }
 }
 
-/// Adds a part of the force of the evaluation before.
+/// Remembers the force of the evaluation before.
 #[derive(Law, Clone, Copy, Debug)]
-#[law(reads(previous before: Force), adds(force: Force))]
+#[law(domain = "bodies", reads(previous before: Force), sets(memory: Memory))]
+pub struct Remember;
+
+#[kernel]
+impl<R: Real> RowLaw<R> for Remember {
+    fn row(&self, row: RememberRow<R>) -> R::Vec3 {
+        row.before
+    }
+}
+
+/// Adds a part of what is remembered.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(reads(memory: Memory), adds(force: Force))]
 pub struct Echo;
 
 #[kernel]
 impl<R: Real> RowLaw<R> for Echo {
     fn row(&self, row: EchoRow<R>) -> R::Vec3 {
-        row.before * R::lit(0.5)
+        row.memory * R::lit(0.5)
     }
 }
 
@@ -195,7 +211,7 @@ impl<P: Precision> ColumnLaw<P> for Herd {
 
 /// Writes what it sees of the force.
 #[derive(Law, Clone, Copy, Debug)]
-#[law(reads(force: Force), sets(trace: Trace))]
+#[law(domain = "bodies", reads(force: Force), sets(trace: Trace))]
 pub struct Recorder;
 
 #[kernel]
@@ -257,5 +273,8 @@ pub fn cloud<P: Precision>(rows: usize, seed: u64) -> Domain<P> {
 pub fn springs<P: Precision>(rows: usize) -> Domain<P> {
     let links: Vec<[u32; 2]> = (1..rows as u32).map(|row| [row - 1, row]).collect();
     let count = links.len();
-    Domain::new("springs").link(Ends, "bodies", links).with(Stiffness, vec![3.0; count]).with(RestLength, vec![0.5; count])
+    Domain::new("springs")
+        .link(Ends, "bodies", links)
+        .with(Stiffness, vec![3.0; count])
+        .with(RestLength, vec![0.5; count])
 }

@@ -1,0 +1,9 @@
+//! The core under test: small laws of every shape, and everything that clients may do with them, rightly or wrongly.
+
+mod common;
+mod extremes;
+mod faults;
+mod graph;
+mod lanes;
+mod oracle;
+mod state;

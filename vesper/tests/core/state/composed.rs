@@ -1,0 +1,189 @@
+//! Laws composed at compile time give the bits of the same laws listed one by one.
+
+use super::*;
+use vesper::pipeline::{Chain, Chained};
+
+/// How the laws are given.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    Listed,
+    Composed,
+}
+
+fn integrated<P: Precision>(builder: Builder<P>, integrator: usize) -> Builder<P> {
+    match integrator {
+        0 => builder.integrator(SemiImplicitEuler),
+        1 => builder,
+        _ => builder.integrator(RungeKutta4),
+    }
+}
+
+/// Whether the two ways agree in every integrator; whether semi-implicit Euler ran the laws in one loop.
+fn agree<P: Precision, T: Chained>(
+    start: impl Fn() -> Builder<P>,
+    chain: &Chain<T>,
+    list: impl Fn(Builder<P>) -> Builder<P>,
+) -> bool {
+    let mut fused = false;
+    for integrator in 0..3 {
+        let run = |way: Way| {
+            let builder = if way == Way::Composed { start().laws(chain.clone()) } else { list(start()) };
+            let mut engine = integrated(builder.step(0.01), integrator).build().unwrap();
+            engine.advance(0.07).unwrap();
+            engine
+        };
+        let (listed, composed) = (run(Way::Listed), run(Way::Composed));
+        assert_eq!(composed.state().hash(), listed.state().hash(), "{}, integrator {integrator}", P::NAME);
+        fused |= composed.explain().contains("one loop composed at compile time");
+    }
+    fused
+}
+
+fn start<P: Precision>() -> Builder<P> {
+    Engine::builder().domain(cloud(523, 12)).constant(GravityAcceleration, [[0.5, 0.0, -9.0]])
+}
+
+#[test]
+fn composed_laws_give_the_bits_of_listed_ones() {
+    let chain = pipeline![Motion, Weight, Drag];
+    assert!(agree(start::<f64>, &chain, |b| b.law(Motion).law(Weight).law(Drag)));
+    assert!(agree(start::<f32>, &chain, |b| b.law(Motion).law(Weight).law(Drag)));
+    let windy = || start::<f64>().domain(Domain::new("elsewhere").rows(1));
+    assert!(agree(windy, &chain, |b| b.law(Motion).law(Weight).law(Drag)));
+}
+
+#[test]
+fn fields_and_set_properties_are_composed_too() {
+    let chain = pipeline![Electric, Motion, Inertia];
+    let start = || {
+        let rows = 600;
+        let mut random = Random(4);
+        let mut vectors = || (0..rows).map(|_| random.vector()).collect::<Vec<_>>();
+        let domain = Domain::new("bodies").with(Position, vectors()).with(Velocity, vectors());
+        let builder =
+            Engine::<f64>::builder().domain(domain.with(RestMass, vec![2.0; rows]).with(Charge, vec![0.3; rows]));
+        builder.field(ElectricField, |at: DVec3, time: f64| DVec3::new(at.z, at.x, at.y) * (1.0 + time))
+    };
+    assert!(agree(start, &chain, |b| b.law(Electric).law(Motion).law(Inertia)));
+}
+
+#[test]
+fn a_law_on_a_subset_between_them_falls_back() {
+    let charged = || {
+        let domain = cloud::<f64>(40, 3);
+        let rows = domain.clone();
+        drop(rows);
+        let few = Domain::new("bodies");
+        let state = State::new([domain], []).unwrap();
+        let vectors =
+            |property: PropertyInfo| Values::new(property.kind.width(), state.numbers("bodies", property).unwrap());
+        let few = [Position.info(), Velocity.info(), Mass.info(), DragCoefficient.info()]
+            .into_iter()
+            .fold(few, |few, property| few.with(property, vectors(property)));
+        Engine::<f64>::builder()
+            .domain(few.subset(Charge, [3, 17, 21], [1.0, -2.0, 0.5]))
+            .field(ElectricField, Uniform { value: [1.0, 2.0, 3.0] })
+    };
+    let chain = pipeline![Drag, Motion, Weight];
+    assert!(!agree(|| charged().law(Electric), &chain, |b| b.law(Drag).law(Motion).law(Weight)));
+    let chain = pipeline![Drag, Electric, Motion];
+    assert!(!agree(charged, &chain, |b| b.law(Drag).law(Electric).law(Motion)));
+}
+
+#[test]
+fn laws_of_other_shapes_before_them_do_not_disturb() {
+    let chain = pipeline![Drag, Motion];
+    let start = || start::<f64>().law(Gravity::default());
+    agree(start, &chain, |b| b.law(Drag).law(Motion));
+    let chain = pipeline![Gravity::<f64>::default(), Drag, Motion];
+    agree(super::composed::start::<f64>, &chain, |b| b.law(Gravity::default()).law(Drag).law(Motion));
+}
+
+#[test]
+fn a_composed_law_can_be_switched_off_and_looked_at() {
+    let run = |way: Way| {
+        let builder = start::<f64>().integrator(SemiImplicitEuler).step(0.01);
+        let builder = match way {
+            Way::Composed => builder.laws(pipeline![Weight, Drag, Motion]),
+            Way::Listed => builder.law(Weight).law(Drag).law(Motion),
+        };
+        let mut engine = builder.observe("bodies", Force).build().unwrap();
+        engine.advance(0.02).unwrap();
+        engine.enable("drag", false).unwrap();
+        engine.advance(0.02).unwrap();
+        engine.enable("drag", true).unwrap();
+        engine.advance(0.02).unwrap();
+        (engine.state().hash(), engine.state().numbers("bodies", Force).unwrap())
+    };
+    assert_eq!(run(Way::Composed), run(Way::Listed));
+}
+
+/// Reads a mass that its rates do not need.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(reads(velocity: Velocity, mass: Mass), rates(position: Position from (velocity)))]
+struct Glide;
+
+#[kernel]
+impl<R: Real> RowLaw<R> for Glide {
+    fn row(&self, row: GlideRow<R>) -> R::Vec3 {
+        row.velocity
+    }
+}
+
+/// Gives the velocity a rate of its own.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(reads(coefficient: DragCoefficient, force: Force, optional), rates(velocity: Velocity))]
+struct Hasten;
+
+#[kernel]
+impl<R: Real> RowLaw<R> for Hasten {
+    fn row(&self, row: HastenRow<R>) -> R::Vec3 {
+        row.force.unwrap_or(R::Vec3::zero()) * row.coefficient.unwrap_or(R::lit(1.0))
+    }
+}
+
+/// A second coordinate, which depends on the first.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(reads(position: Position), rates(angle: Angle))]
+struct Turn;
+
+#[kernel]
+impl<R: Real> RowLaw<R> for Turn {
+    fn row(&self, row: TurnRow<R>) -> R {
+        row.position.x()
+    }
+}
+
+#[test]
+fn a_value_that_no_rate_needs_is_not_needed_in_the_loop() {
+    let chain = pipeline![Glide, Hasten, Weight];
+    agree(start::<f64>, &chain, |b| b.law(Glide).law(Hasten).law(Weight));
+}
+
+#[test]
+fn an_optional_sum_is_there_in_the_loop_too() {
+    let chain = pipeline![Weight, Hasten, Glides];
+    assert!(agree(start::<f64>, &chain, |b| b.law(Weight).law(Hasten).law(Glides)));
+}
+
+/// The position follows the velocity.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(reads(velocity: Velocity), rates(position: Position))]
+struct Glides;
+
+#[kernel]
+impl<R: Real> RowLaw<R> for Glides {
+    fn row(&self, row: GlidesRow<R>) -> R::Vec3 {
+        row.velocity
+    }
+}
+
+#[test]
+fn a_state_that_another_law_of_its_stage_looks_at_advances_after_the_stage() {
+    let turning = || {
+        let builder = Engine::<f64>::builder().domain(cloud::<f64>(30, 2).with(Angle, vec![0.0; 30]));
+        builder.law(Recorder).observe("bodies", Trace)
+    };
+    let chain = pipeline![Glides, Hasten, Turn, Weight];
+    agree(turning, &chain, |b| b.law(Glides).law(Hasten).law(Turn).law(Weight));
+}
