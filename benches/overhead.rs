@@ -100,7 +100,7 @@ fn laws(rows: usize, run: Run, summary: &mut Summary, lines: &mut criterion::Cri
         Contender::new("hand, 16 laws", || by_hand(LAWS, &mut other_sums)),
     ];
     if run.wants(&name) {
-        let times = Race { turn: core::time::Duration::from_millis(1), rounds: 101 }.run(run, 1.0, &mut contenders);
+        let times = Race::default().run(run, 1.0, &mut contenders);
         let [no_law, laws, no_system, systems, no_closure, closures, no_hand, hand] = times[..] else { return };
         let case = |name| Case { name, n: rows, precision: "f64", unit: "ns" };
         let named = |name, time| Time { name, ..time };
@@ -169,7 +169,7 @@ fn small_scene(run: Run, summary: &mut Summary, lines: &mut criterion::Criterion
         Contender::new("hand loop", || hand.step(GRAVITY)),
     ];
     if run.wants(name) {
-        let times = Race { turn: core::time::Duration::from_millis(1), rounds: 101 }.run(run, 1.0, &mut contenders);
+        let times = Race::default().run(run, 1.0, &mut contenders);
         let [ours, hand] = times[..] else { return };
         let case = Case { name: "tetrahedron of six springs", n: 7, precision: "f64", unit: "ns" };
         summary.add(case, ours, &[(hand, Some(error))]);

@@ -47,8 +47,7 @@ fn study<P: Precision>(run: Run, summary: &mut Summary, lines: &mut criterion::C
         Contender::new("hand loop", || hand.step(G, SOFTENING)),
     ];
     if run.wants(&name) {
-        let race = Race { turn: core::time::Duration::from_millis(20), ..Race::default() };
-        let times = race.run(run, pairs, &mut contenders);
+        let times = Race::default().run(run, pairs, &mut contenders);
         let [foreign, stock, hand] = times[..] else { return };
         let case = |name| Case { name, n: BODIES, precision: P::NAME, unit: "ns/pair" };
         summary.add(case("foreign law beside stock"), foreign, &[(stock, Some(0.0))]);

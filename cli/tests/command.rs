@@ -16,7 +16,7 @@ fn json_is_all_there_is_on_standard_output() {
     let path = folder.write("pair.toml", PAIR);
     let value = done(["run", &path, "--json"]).json();
     check_schema(&value);
-    assert_eq!((&value["time"], &value["steps"], &value["evaluations"]), (&json!(1.0), &json!(100), &json!(101)));
+    assert_eq!((&value["time"], &value["steps"], &value["evaluations"]), (&json!(1.0), &json!(100), &json!(201)));
     assert_eq!(value["unused"], json!(["bodies.colour"]));
     let statuses: Vec<_> =
         value["laws"].as_array().unwrap().iter().map(|law| law["status"].as_str().unwrap()).collect();
@@ -146,6 +146,11 @@ fn changes_of_the_scene() {
     let x = single["domains"]["bodies"]["position"][0][0].as_f64().unwrap();
     assert_eq!(f64::from(x as f32), x, "an f32 is told exactly");
     assert_ne!(run(&[])["domains"]["bodies"]["position"][0][0], x);
+    // An option is in seconds, whatever unit the scene has.
+    let text = PAIR.replace("end = 1", "end = { value = 1, unit = \"min\" }");
+    let minutes = folder.write("minutes.toml", &text);
+    assert_eq!(done(["run", &minutes, "--json", "--end", "0.5"]).json()["steps"], 50);
+    assert_eq!(done(["run", &minutes, "--json", "--set", "engine.end=0.01"]).json()["steps"], 60);
     // The end is covered exactly, by a shorter last step.
     let odd = run(&["--end", "0.123"]);
     assert_eq!((&odd["time"], &odd["steps"]), (&json!(0.123), &json!(13)));
@@ -156,7 +161,7 @@ fn a_folder_of_results() {
     let folder = Scratch::new("out");
     let path = folder.write(
         "pair.toml",
-        &PAIR.replace("[domains.springs]", "[domains.\"../springs\"]").replace("end = 1", "end = 1\nframe = 0.1"),
+        &PAIR.replace("[domains.springs]", "[domains.\"/springs\"]").replace("end = 1", "end = 1\nframe = 0.1"),
     );
     let out = folder.file("deep/out");
     done([
@@ -167,7 +172,7 @@ fn a_folder_of_results() {
         "--every",
         "4",
         "--set",
-        "engine.observe=[\"bodies.position\", \"../springs.stiffness\"]",
+        "engine.observe=[\"bodies.position\", \"/springs.stiffness\"]",
     ]);
     let table = folder.read("deep/out/bodies.csv");
     let lines: Vec<&str> = table.lines().collect();
@@ -178,7 +183,7 @@ fn a_folder_of_results() {
     assert_eq!(times, ["0.0", "0.4", "0.8", "1.0"]);
     assert!(
         folder
-            .read("deep/out/.._springs.csv".replace("..", "__").as_str())
+            .read("deep/out/_springs.csv")
             .starts_with("time,row,label,stiffness\n0.0,0,,10.0\n")
     );
     let picture = folder.read("deep/out/trajectories.svg");

@@ -45,9 +45,8 @@ impl<R: Real> RowLaw<R> for Warming {
 }
 
 fn main() -> Result<(), Faults> {
-    let cups = || {
-        Domain::<f64>::new("cups").with(Temperature, [363.15, 293.15]).with_unit(HeatCapacity, "kJ/K", [0.84, 0.84])
-    };
+    let cups =
+        || Domain::<f64>::new("cups").with(Temperature, [363.15, 293.15]).with_unit(HeatCapacity, "kJ/K", [0.84, 0.84]);
 
     // Leapfrog wants coordinates and momenta; a temperature is neither, and the builder says so.
     let refused = Engine::builder().domain(cups()).law(Cooling::default()).law(Warming).build();

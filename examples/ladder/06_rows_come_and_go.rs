@@ -14,7 +14,8 @@ fn main() -> Result<(), Faults> {
         .link(Ends, "beads", [[0, 1], [1, 2]])
         .with(Stiffness, [100.0, 100.0])
         .with(RestLength, [1.0, 1.0]);
-    let mut engine = Engine::<f64>::builder().domain(beads).domain(springs).law(Spring).law(Motion).step(1e-3).build()?;
+    let mut engine =
+        Engine::<f64>::builder().domain(beads).domain(springs).law(Spring).law(Motion).step(1e-3).build()?;
     engine.advance(0.1)?;
 
     // A fourth bead, and a spring to it that is stretched.
@@ -35,7 +36,9 @@ fn main() -> Result<(), Faults> {
     println!("ends of the springs that are left: {ends:?}");
     assert_eq!(ends, Some(vec![1, 2]));
 
-    let momentum = |engine: &Engine<f64>| -> Result<DVec3, Fault> { Ok(engine.state().values("beads", Velocity)?.into_iter().sum()) };
+    let momentum = |engine: &Engine<f64>| -> Result<DVec3, Fault> {
+        Ok(engine.state().values("beads", Velocity)?.into_iter().sum())
+    };
     let before = momentum(&engine)?;
     engine.advance(10.0)?;
     assert!((momentum(&engine)? - before).length() < 1e-12, "springs conserve momentum");

@@ -13,7 +13,11 @@ fn dust() -> Builder<f32> {
         .with(Velocity, vec![[0.0_f32, 1.0, 0.0]; rows])
         .with(Mass, vec![1e-6; rows])
         .with(DragCoefficient, vec![2e-6; rows]);
-    Engine::builder().domain(dust).constant(GravityAcceleration, [0.0, 0.0, -9.81]).integrator(SemiImplicitEuler).step(0.01)
+    Engine::builder()
+        .domain(dust)
+        .constant(GravityAcceleration, [0.0, 0.0, -9.81])
+        .integrator(SemiImplicitEuler)
+        .step(0.01)
 }
 
 fn main() -> Result<(), Faults> {

@@ -3,9 +3,9 @@ use vesper::prelude::*;
 
 /// First post-Newtonian correction between any number of point masses, all of them sources.
 ///
-/// Equation: a_i = 1/c^2 sum over j of GM_j / r^3 { d [ v_i^2 + 2 v_j^2 - 4 v_i . v_j - 3/2 (d . v_j)^2 / r^2 - 4 U_i - U_j
-/// + 1/2 d . g_j ] - [ d . (4 v_i - 3 v_j) ] (v_i - v_j) } + 7/2 GM_j / r g_j, with d = x_j - x_i, and with U and g from
-/// `newtonian_field`.
+/// Equation: a_i = 1/c^2 sum over j of GM_j / r^3 { d [ v_i^2 + 2 v_j^2 - 4 v_i . v_j - 3/2 (d . v_j)^2 / r^2 - 4 U_i - U_j +
+/// 1/2 d . g_j ] - [ d . (4 v_i - 3 v_j) ] (v_i - v_j) } + 7/2 GM_j / r g_j, with d = x_j - x_i, and with U and g from the
+/// law `newtonian_field`.
 ///
 /// Source: Einstein, Infeld, Hoffmann, Ann. Math. 39 (1938) 65; in this form: Park, Folkner, Williams, Boggs, The JPL
 /// Planetary and Lunar Ephemerides DE440 and DE441, AJ 161 (2021) 105, eq. 27 with beta = gamma = 1.

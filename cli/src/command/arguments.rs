@@ -153,7 +153,10 @@ impl SceneArguments {
 impl Run {
     /// All changes of the scene as `--set` arguments.
     pub fn overrides(&self) -> Vec<String> {
-        let time = |key: &str, value: Option<f64>| value.map(|value| format!("engine.{key}={value:?}"));
+        // With its unit, for the scene may have another one, which would stay.
+        let time = |key: &str, value: Option<f64>| {
+            value.map(|value| format!("engine.{key}={{ value = {value:?}, unit = \"s\" }}"))
+        };
         let times = [time("end", self.end), time("step", self.step)];
         self.scene.overrides().into_iter().chain(times.into_iter().flatten()).collect()
     }

@@ -127,7 +127,8 @@ impl Way<'_> {
         }
         outcome.checkpoint = Some(engine.checkpoint());
         if rest > 0.0 {
-            drive.to(engine, last + 1, rest).map_err(|faults| self.broken(&faults))?;
+            // From where the engine says it is, so that its clock comes to the end itself.
+            drive.to(engine, last + 1, course.end - engine.time()).map_err(|faults| self.broken(&faults))?;
         }
         outcome.drift.look(engine).map_err(|faults| self.broken(&faults))
     }
@@ -194,7 +195,7 @@ impl<P: CatalogPrecision> Aside<'_, P> {
         };
         let broken = |faults: Faults| assemble::run_faults(self.scene, &faults);
         engine.restore(&main.checkpoint()).map_err(broken)?;
-        engine.steps_of(1, rest).map_err(broken)?;
+        engine.steps_of(1, target.time - main.time()).map_err(broken)?;
         let distance = target.distance(engine.state(), domain);
         self.engine = Some(engine);
         Ok(distance)

@@ -1,6 +1,6 @@
 //! From domains, fields and laws to an engine, or to everything that is wrong with them.
 
-use super::{Clock, Engine};
+use super::{Clock, Engine, FixedStep};
 use crate::backend::{Compile, Compiled};
 use crate::column::Values;
 use crate::domain::{AsProperty, Domain, SCENE};
@@ -344,7 +344,7 @@ impl<P: Scalar> Builder<P> {
             machine,
             observe: self.observe,
             strict: self.strict,
-            step: self.step,
+            step: self.step.map(|step| FixedStep { step, per_second: 1.0 / step }),
             remainder: 0.0,
             steps: 0,
             evaluations: 0,

@@ -108,7 +108,7 @@ pub(crate) struct PairPass<P: Scalar> {
     pub(crate) energy: bool,
     pub(crate) threads: usize,
     /// Keeps the constants that `slots` points to.
-    pub(crate) _defaults: Box<[P]>,
+    pub(crate) _defaults: Aligned<P>,
 }
 
 /// A link law over the rows of its domain.
@@ -122,7 +122,7 @@ pub(crate) struct LinkPass<P: Scalar> {
     pub(crate) threads: usize,
     /// Where threads leave shares, and for every row linked to, which shares are its own.
     pub(crate) gather: Option<Gather<P>>,
-    pub(crate) _defaults: Box<[P]>,
+    pub(crate) _defaults: Aligned<P>,
 }
 
 /// For every row linked to, its shares in the order of the links.
@@ -145,7 +145,7 @@ pub(crate) struct ColumnPass<P: Scalar> {
     pub(crate) ports: Vec<BoundPort<P>>,
     pub(crate) views: Vec<crate::law::PortView<P>>,
     pub(crate) link: Option<(*const u32, usize, usize)>,
-    pub(crate) _defaults: Box<[P]>,
+    pub(crate) _defaults: Aligned<P>,
 }
 
 /// Rows from which on a pass over rows is worth the threads (measured: below, waking them costs more than it saves).
@@ -294,7 +294,7 @@ impl<P: Scalar> Binder<'_, P> {
         if rows == 0 {
             return None;
         }
-        let defaults = defaults(&op.operands);
+        let defaults = defaults::<P>(&op.operands);
         let mut pass = PairPass {
             law,
             rows,
@@ -307,7 +307,7 @@ impl<P: Scalar> Binder<'_, P> {
         };
         for (slot, operand) in op.operands.iter().enumerate() {
             let pointer = match operand {
-                Operand::Default(_) => &raw const pass._defaults[slot] as *mut P,
+                Operand::Default(_) => pass._defaults.pointer().wrapping_add(slot),
                 Operand::Absent | Operand::Field(..) => core::ptr::null_mut(),
                 Operand::Constant(..) => match self.locate(*operand)?.base {
                     Base::Owned(pointer) => pointer,
@@ -340,11 +340,11 @@ impl<P: Scalar> Binder<'_, P> {
         if domain.rows == 0 {
             return None;
         }
-        let defaults = defaults(&op.operands);
+        let defaults = defaults::<P>(&op.operands);
         let mut slots = Vec::new();
         for (slot, operand) in op.operands.iter().enumerate() {
             slots.push(match operand {
-                Operand::Default(_) => (Base::Owned(&raw const defaults[slot] as *mut P), 0),
+                Operand::Default(_) => (Base::Owned(defaults.pointer().wrapping_add(slot)), 0),
                 Operand::Absent | Operand::Field(..) => (Base::Owned(core::ptr::null_mut()), 0),
                 _ => {
                     let located = self.locate(*operand)?;
@@ -373,7 +373,7 @@ impl<P: Scalar> Binder<'_, P> {
         let Op::Law { seat, .. } = op.op else { return None };
         let seat = &self.pipeline.registry.seats[seat];
         let signature = &self.pipeline.entries[seat.law].signature;
-        let defaults = defaults(&op.operands);
+        let defaults = defaults::<P>(&op.operands);
         let slots = signature.slots();
         let mut ports = Vec::new();
         for port in 0..signature.ports.len() {
@@ -383,7 +383,7 @@ impl<P: Scalar> Binder<'_, P> {
                 bases[slot - slots[port]] = match op.operands[slot] {
                     Operand::Default(_) => {
                         rows = 1;
-                        Some(Base::Owned(&raw const defaults[slot] as *mut P))
+                        Some(Base::Owned(defaults.pointer().wrapping_add(slot)))
                     }
                     Operand::Absent | Operand::Field(..) => None,
                     operand => {
@@ -427,12 +427,16 @@ impl<P: Scalar> Gather<P> {
     }
 }
 
-/// The constants that the scene does not give, at their slots.
-pub(super) fn defaults<P: Scalar>(operands: &[Operand]) -> Box<[P]> {
-    operands
-        .iter()
-        .map(|operand| if let Operand::Default(value) = operand { P::from_f64(*value) } else { P::default() })
-        .collect()
+/// The constants that the scene does not give, at their slots. Not in a box, which may not be moved while others point
+/// into it.
+fn defaults<P: Scalar>(operands: &[Operand]) -> Aligned<P> {
+    let mut defaults = Aligned::zeros(operands.len(), 0);
+    for (number, operand) in defaults.as_mut_slice().iter_mut().zip(operands) {
+        if let Operand::Default(value) = operand {
+            *number = P::from_f64(*value);
+        }
+    }
+    defaults
 }
 
 /// Where a component of a column of numbers is.

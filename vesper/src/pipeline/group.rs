@@ -67,7 +67,7 @@ pub(crate) struct Group<P: Scalar> {
     transfers: Vec<Transfer<P>>,
     desks: Vec<Desk<P>>,
     /// Keeps the constants that `slots` points to.
-    _defaults: Vec<Box<P>>,
+    _defaults: Vec<Aligned<P>>,
 }
 
 // SAFETY: its pointers are into columns of the state and into its own memory; they are followed only by
@@ -87,7 +87,7 @@ pub(super) struct GroupBuilder<'a, P: Scalar> {
     /// Scratches by what they hold.
     scratches: Vec<Operand>,
     uniform: Vec<(usize, P)>,
-    defaults: Vec<Box<P>>,
+    defaults: Vec<Aligned<P>>,
 }
 
 impl<'a, P: Scalar> GroupBuilder<'a, P> {
@@ -185,9 +185,10 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
         let located = match operand {
             Operand::Absent => return Slot::Fixed(core::ptr::null_mut()),
             Operand::Default(value) => {
-                let mut value = Box::new(P::from_f64(value));
-                let pointer = &raw mut *value;
-                self.defaults.push(value);
+                let mut number = Aligned::zeros(1, 0);
+                number.as_mut_slice()[0] = P::from_f64(value);
+                let pointer = number.pointer();
+                self.defaults.push(number);
                 return Slot::Fixed(pointer);
             }
             Operand::Field(..) => return Slot::Scratch(self.scratch(operand)),

@@ -95,6 +95,7 @@ macro_rules! lanes {
                 // SAFETY: see above.
                 $name([$({
                     let $a = self.0[$i];
+                    // SAFETY: see above.
                     unsafe { $neg }
                 }),+])
             }
@@ -171,6 +172,7 @@ macro_rules! lanes {
                 // SAFETY: see above.
                 $name([$({
                     let $a = self.0[$i];
+                    // SAFETY: see above.
                     unsafe { $abs }
                 }),+])
             }
@@ -204,6 +206,7 @@ macro_rules! lanes {
                 // SAFETY: see above.
                 $mask([$({
                     let ($a, $b) = (self.0[$i], other.0[$i]);
+                    // SAFETY: see above.
                     unsafe { $less }
                 }),+])
             }
@@ -212,6 +215,7 @@ macro_rules! lanes {
                 // SAFETY: see above.
                 $mask([$({
                     let ($a, $b) = (self.0[$i], other.0[$i]);
+                    // SAFETY: see above.
                     unsafe { $less_eq }
                 }),+])
             }
@@ -220,6 +224,7 @@ macro_rules! lanes {
                 // SAFETY: see above.
                 $mask([$({
                     let ($a, $b) = (self.0[$i], other.0[$i]);
+                    // SAFETY: see above.
                     unsafe { $equal }
                 }),+])
             }

@@ -219,8 +219,9 @@ pub(super) fn observed<P: Scalar>(
     faults: &mut Vec<Fault>,
 ) {
     let computed = |name: &str| {
-        let mut outputs = entries.iter().flat_map(|entry| entry.signature.ports).filter(|port| computes(port.mode));
-        outputs.any(|port| port.property.name == name)
+        let mut ports = entries.iter().flat_map(|entry| entry.signature.ports);
+        let made = |port: &Port| computes(port.mode) || matches!(port.property.role, Role::Sum { .. });
+        ports.any(|port| port.property.name == name && made(port))
     };
     for (domain, property) in observe {
         let Some(at) = state.domain_index(domain) else {

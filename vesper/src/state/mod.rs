@@ -120,7 +120,10 @@ impl<P: Scalar> State<P> {
         Fault::NoProperty {
             domain: domain.name.clone(),
             property: property.to_owned(),
-            nearest: nearest(property, domain.columns.iter().filter(|column| column.shown).map(|column| column.info.name)),
+            nearest: nearest(
+                property,
+                domain.columns.iter().filter(|column| column.shown).map(|column| column.info.name),
+            ),
         }
     }
 

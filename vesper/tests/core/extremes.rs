@@ -34,7 +34,7 @@ fn run<P: Precision>(seed: u64) -> bool {
     // Numbers that are finite in f32 too.
     let reach = [2, 20, 36][random.below(3)];
     let rows = [0, 1, 2, 3, 7, 8, 9, 15, 17, 33, 64][random.below(11)];
-    let rows = if seed % 64 == 0 { 511 + random.below(3) } else { rows };
+    let rows = if seed.is_multiple_of(64) { 511 + random.below(3) } else { rows };
     let mut builder = Engine::<P>::builder()
         .domain(bodies(rows, &mut random, reach))
         .domain(springs(rows))

@@ -11,6 +11,10 @@ fn mistakes_between_steps() {
             edited(|state| Ok(state.get("bodies", RestMass, 0)?)),
             "bodies has no property rest_mass: give it as a column, or observe it where a law computes it",
         ),
+        (
+            edited(|state| Ok(state.get("bodies", Force, 0)?)),
+            "bodies has no property force: give it as a column, or observe it where a law computes it",
+        ),
         (edited(|state| Ok(state.get("bodies", Mass, 3)?)), "bodies has no row 3: it has 3 rows, counted from 0"),
         (edited(|state| Ok(state.set("bodies", Mass, 9, 1.0)?)), "bodies has no row 9: it has 3 rows, counted from 0"),
         (

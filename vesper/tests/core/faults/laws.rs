@@ -82,6 +82,10 @@ fn mistakes_in_a_list_of_laws() {
             "property mass is declared as scalar [kg] by law weight and as scalar [g] by domain bodies: declare it alike, or rename one of them",
         ),
         (
+            built(moving().law(Hoard)),
+            "hoard adds to force and reads its previous value, which is gone when the sum begins anew: let one law set a property of its own from it, and another one add that",
+        ),
+        (
             built(moving().law(wide.adds(Force).body(|_, _| {}))),
             "wide touches 69 numbers of a row: 64 are possible, split it into several laws",
         ),
@@ -150,6 +154,18 @@ struct Charged;
 #[kernel]
 impl<P: Precision> ColumnLaw<P> for Charged {
     fn columns(&self, _: ChargedColumns<'_, P>) {}
+}
+
+/// Adds to a sum that it looks back at.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(domain = "bodies", reads(previous before: Force), adds(force: Force))]
+struct Hoard;
+
+#[kernel]
+impl<R: Real> RowLaw<R> for Hoard {
+    fn row(&self, row: HoardRow<R>) -> R::Vec3 {
+        row.before
+    }
 }
 
 /// A pair law that sets.

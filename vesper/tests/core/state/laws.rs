@@ -162,8 +162,8 @@ fn a_law_over_columns_has_an_algorithm_of_its_own() {
         Engine::<f64>::builder().domain(domain).law(Herd).law(Motion).integrator(SemiImplicitEuler).build().unwrap();
     engine.advance(1.0).unwrap();
     let mean = DVec3::new(1.0, 2.0, 0.0);
-    for row in 0..3 {
-        assert_eq!(speed(&engine, row), mean - DVec3::from(places[row]));
+    for (row, place) in places.into_iter().enumerate() {
+        assert_eq!(speed(&engine, row), mean - DVec3::from(place));
     }
 }
 

@@ -1,0 +1,159 @@
+//! The unsafe parts with few rows, for Miri:
+//! `MIRIFLAGS=-Zmiri-ignore-leaks cargo +nightly miri test -p vesper --no-default-features --test memory`
+//!
+//! Names and declarations made at run time are kept for the life of the program on purpose, hence the flag.
+
+#[path = "core/common.rs"]
+mod common;
+
+use common::*;
+use vesper::prelude::*;
+use vesper::real::Isa;
+
+/// One more than the lanes of the portable set, so that rows are left for the scalar loop.
+const ROWS: usize = 9;
+
+fn sets() -> Vec<Isa> {
+    // Miri knows no vector instructions beyond the portable ones.
+    Isa::available().into_iter().take(2).collect()
+}
+
+fn bodies() -> Domain<f64> {
+    let state = State::new([cloud::<f64>(ROWS, 1)], []).unwrap();
+    let of = |property: PropertyInfo| Values::new(property.kind.width(), state.numbers("bodies", property).unwrap());
+    let all = [Position.info(), Velocity.info(), Mass.info(), DragCoefficient.info(), ExternalForce.info()];
+    let domain = all.into_iter().fold(Domain::new("bodies"), |domain, property| domain.with(property, of(property)));
+    domain.subset(Charge, [7, 1, 4], [1.0, 2.0, 3.0])
+}
+
+fn listed(builder: Builder<f64>) -> Builder<f64> {
+    let builder = builder.domain(springs(ROWS)).step(0.01).field(ElectricField, |at: DVec3, time: f64| at * time);
+    let builder = builder.law(Gravity::default()).law(Coulomb).law(Drag.every(2)).law(Weight).law(Electric);
+    builder.law(Spring).law(Herd).law(Motion).law(Floor).law(Recorder).law(Remember).law(Echo)
+}
+
+fn integrated(builder: Builder<f64>, integrator: usize) -> Builder<f64> {
+    match integrator {
+        0 => builder,
+        1 => builder.integrator(RungeKutta4),
+        _ => builder.integrator(SemiImplicitEuler),
+    }
+}
+
+#[test]
+fn kernels_of_all_shapes_under_all_integrators() {
+    for integrator in 0..3 {
+        let mut hashes = Vec::new();
+        for isa in sets() {
+            let builder = integrated(listed(Engine::builder().domain(bodies())), integrator).isa(isa);
+            let mut engine = builder.observe("bodies", Trace).observe("bodies", Force).build().unwrap();
+            engine.advance(0.03).unwrap();
+            engine.energy().unwrap();
+            engine.advance(0.01).unwrap();
+            hashes.push(engine.state().hash());
+        }
+        assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{hashes:?}");
+    }
+}
+
+#[test]
+fn lent_memory_vectors_and_raw() {
+    let start = State::new([bodies()], []).unwrap();
+    let rows = |property: &str| -> Vec<[f64; 3]> {
+        let column = start.column("bodies", property).unwrap().components().unwrap();
+        (0..ROWS).map(|row| core::array::from_fn(|c| column[c][row])).collect()
+    };
+    let position = Lent::new(rows("position"));
+    let mut velocity = rows("velocity");
+    let memory = std::ptr::NonNull::new(velocity.as_mut_ptr()).unwrap();
+    // SAFETY: the vector outlives the engine, and is looked at only after it is gone.
+    let raw = unsafe { Lent::from_raw(memory, ROWS) };
+    for integrator in 0..3 {
+        let domain = Domain::new("bodies")
+            .lend(Position, &position)
+            .lend(Velocity, &raw)
+            .with(Mass, vec![1.5; ROWS])
+            .with(DragCoefficient, vec![0.5; ROWS])
+            .subset(Charge, [0, 8], [1.0, -1.0]);
+        let mut engine = integrated(listed(Engine::builder().domain(domain)), integrator).build().unwrap();
+        engine.advance(0.02).unwrap();
+        position.write()[3][1] += 0.5;
+        engine.advance(0.02).unwrap();
+        let saved = engine.checkpoint();
+        engine.advance(0.01).unwrap();
+        engine.restore(&saved).unwrap();
+        engine.advance(0.01).unwrap();
+        assert_eq!(engine.state().get("bodies", Position, 3).unwrap().to_array(), position.read()[3]);
+    }
+    assert_ne!(velocity, rows("velocity"));
+}
+
+#[test]
+fn composed_laws() {
+    for isa in sets() {
+        let run = |composed: bool| {
+            let builder = Engine::<f64>::builder().domain(bodies()).step(0.01).integrator(SemiImplicitEuler).isa(isa);
+            let builder = builder.field(ElectricField, |at: DVec3, _: f64| at);
+            let builder = match composed {
+                true => builder.laws(pipeline![Weight, Drag, Motion]),
+                false => builder.law(Weight).law(Drag).law(Motion),
+            };
+            let mut engine = builder.build().unwrap();
+            engine.advance(0.03).unwrap();
+            assert_eq!(engine.explain().contains("one loop composed at compile time"), composed);
+            engine.state().hash()
+        };
+        assert_eq!(run(true), run(false));
+    }
+}
+
+#[test]
+fn rows_and_columns_come_and_go() {
+    let mut engine = listed(Engine::builder().domain(bodies())).observe("bodies", Force).build().unwrap();
+    engine.advance(0.02).unwrap();
+    let more = Domain::new("bodies")
+        .with(Position, [[5.0; 3], [6.0; 3]])
+        .with(Velocity, [[0.0; 3]; 2])
+        .with(Mass, [1.0; 2])
+        .with(DragCoefficient, [1.0; 2])
+        .with(ExternalForce, [[0.0; 3]; 2])
+        .subset(Charge, [1], [4.0]);
+    engine.state_mut().add_rows(more).unwrap();
+    engine.advance(0.02).unwrap();
+    engine.state_mut().remove_rows("bodies", &[0, 4, 10]).unwrap();
+    engine.advance(0.02).unwrap();
+    engine.enable("gravity", false).unwrap();
+    engine.state_mut().remove_column("bodies", DragCoefficient).unwrap();
+    engine.advance(0.02).unwrap();
+    let rows = engine.state().domain("bodies").unwrap().rows();
+    engine.state_mut().add_columns(Domain::new("bodies").with(DragCoefficient, vec![0.1; rows])).unwrap();
+    engine.state_mut().set_constant(GravityAcceleration, DVec3::Z).unwrap();
+    engine.state_mut().set_field(ElectricField, Uniform { value: [1.0; 3] });
+    engine.advance(0.02).unwrap();
+    let copy = engine.state().clone();
+    *engine.state_mut() = copy;
+    engine.advance(0.02).unwrap();
+    engine.state_mut().remove_rows("bodies", &(0..rows).collect::<Vec<_>>()).unwrap();
+    engine.advance(0.02).unwrap();
+    assert_eq!(engine.state().domain("springs").unwrap().rows(), 0);
+}
+
+#[test]
+fn a_law_made_at_run_time_and_f32() {
+    let lift = DynLaw::new("lift").reads(Velocity).scene(GravityAcceleration).field(ElectricField).adds(Force);
+    let lift = lift.body(|row, force| force[2] = row[0] + row[5] + row[6]);
+    let builder = Engine::<f32>::builder().domain(cloud(3, 2)).domain(springs(3)).step(0.01).law(lift).law(Motion);
+    let builder = builder.law(Gravity::default()).law(Spring).field(ElectricField, Uniform { value: [1.0; 3] });
+    let mut engine = builder.constant(GravityAcceleration, [[0.0, 0.0, -1.0]]).isa(Isa::Scalar).build().unwrap();
+    engine.advance(0.03).unwrap();
+    assert!(engine.state().get("bodies", Position, 0).unwrap().z.is_finite());
+}
+
+#[test]
+fn blow_ups_are_traced() {
+    let builder = Engine::<f64>::builder().domain(bodies()).law(Motion).law(Weight).step(0.01).isa(Isa::Scalar);
+    let mut engine = builder.build().unwrap();
+    engine.trace_blow_ups(true);
+    engine.state_mut().set("bodies", Mass, 2, 0.0).unwrap();
+    assert!(engine.advance(0.03).is_err());
+}
