@@ -107,6 +107,7 @@ fn magnetic<P: Scalar>(mut bodies: Query<(&mut Force<P>, &Speed<P>, &Charge<P>)>
     }
 }
 
+#[allow(clippy::type_complexity, reason = "a system's query is its declaration")]
 fn motion<P: Scalar>(mut bodies: Query<(&mut Place<P>, &mut Speed<P>, &Force<P>, &Mass<P>)>) {
     let step = P::from_f64(STEP);
     for (mut place, mut speed, force, mass) in bodies.contiguous_iter_mut().into_iter().flatten() {

@@ -181,11 +181,7 @@ fn a_folder_of_results() {
     // The first frame, every fourth, and the last.
     let times: Vec<&str> = lines[1..].iter().step_by(2).map(|line| line.split(',').next().unwrap()).collect();
     assert_eq!(times, ["0.0", "0.4", "0.8", "1.0"]);
-    assert!(
-        folder
-            .read("deep/out/_springs.csv")
-            .starts_with("time,row,label,stiffness\n0.0,0,,10.0\n")
-    );
+    assert!(folder.read("deep/out/_springs.csv").starts_with("time,row,label,stiffness\n0.0,0,,10.0\n"));
     let picture = folder.read("deep/out/trajectories.svg");
     assert!(
         picture.contains("a, &quot;b&quot; &amp; &lt;c&gt;")

@@ -102,7 +102,7 @@ fn particles_land_where_their_mass_says() {
     let masses = [0.0002, 0.0002, 0.0002, 0.00041, 0.00024, 0.0003];
     let charges = [0.02, 0.012, 0.01, 0.02, 0.01, 0.01];
     for row in 0..6 {
-        let speed = (2.0 * charges[row] * 0.5 * 100.0 / masses[row] as f64).sqrt();
+        let speed = (2.0_f64 * charges[row] * 0.5 * 100.0 / masses[row]).sqrt();
         let landing = 2.0 * masses[row] * speed / (charges[row] * 0.02);
         // Straight down from the landing point, but for the jump of the fields: less than a step's way.
         assert!((position(&value, row)[0] - landing).abs() < 1e-4 * speed, "row {row}");

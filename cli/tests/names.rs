@@ -64,7 +64,7 @@ const TABLE: &[(&str, &str)] = &[
     ),
     (
         "[domains.springs]\nends = { domain = \"bodies\", value = [[0, 0, 0]] }",
-        "7:37: `ends` names 2 rows in each item, and here 3",
+        "7:38: `ends` names 2 rows in each item, and here 3",
     ),
     ("mass = { domain = \"bodies\", value = [0] }", "6:19: `mass` is a scalar, which names no rows of a domain"),
     (

@@ -17,7 +17,7 @@
 //! ```
 //!
 //! [`catalog`] lists the laws for whoever chooses by name; [`invariants`] sums what an undisturbed system keeps;
-//! [`reference`] holds problems with known answers.
+//! [`mod@reference`] holds problems with known answers.
 
 pub mod catalog;
 pub mod invariants;

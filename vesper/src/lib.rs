@@ -47,11 +47,11 @@
 //! # The way of the data
 //!
 //! Lowest layer first; a module imports only from those before it, which a test holds:
-//! [`dimension`], [`error`], [`real`], [`property`], [`column`], [`domain`], [`field`], [`state`], [`law`],
-//! [`registry`], `graph`, [`backend`], [`integrate`], [`pipeline`], [`engine`], [`prelude`].
+//! [`dimension`], [`error`], [`real`], [`mod@property`], [`mod@column`], [`domain`], [`field`], [`state`], [`law`],
+//! [`mod@registry`], `graph`, [`backend`], [`integrate`], [`mod@pipeline`], [`engine`], [`prelude`].
 //!
-//! [`domain::Domain`]s become a [`state::State`]; the [`registry`] ties every law's [`law::Signature`] to it; the graph
-//! orders them; a [`pipeline`] evaluates them, as often as an [`integrate::Integrator`] asks; an [`engine::Engine`] cuts
+//! [`domain::Domain`]s become a [`state::State`]; the [`mod@registry`] ties every law's [`law::Signature`] to it; the graph
+//! orders them; a [`mod@pipeline`] evaluates them, as often as an [`integrate::Integrator`] asks; an [`engine::Engine`] cuts
 //! client time into steps.
 
 extern crate self as vesper;

@@ -172,7 +172,7 @@ impl Notes<'_> {
         let rows = |subset: &Vec<Spanned<usize>>| -> Option<Vec<u32>> {
             subset.iter().map(|row| u32::try_from(row.value).ok()).collect()
         };
-        let subset = match column.subset.as_ref().map(|subset| rows(subset)) {
+        let subset = match column.subset.as_ref().map(rows) {
             Some(None) => {
                 self.fault(column.span, format!("a row number is above {}", u32::MAX), None);
                 return domain;

@@ -110,23 +110,19 @@ fn compared(text: &mut String, scene: &Scene, outcome: &Outcome) -> fmt::Result 
     if rows.is_empty() {
         return writeln!(text, "\nnone of the dates of {} lies on the way of this run", compare.csv.value);
     }
-    let without: Vec<&str> = compare.without.iter().map(|law| law.value.as_str()).collect();
+    let left_out: Vec<&str> = compare.without.iter().map(|law| law.value.as_str()).collect();
+    let left_out = format!("without {}", left_out.join(", "));
+    let wide = left_out.chars().count().max(14);
     let twice = rows.iter().any(|row| row.without.is_some());
     writeln!(text, "\ndistance from {}, in km", compare.csv.value)?;
-    let head = if twice { format!("  {:>14}", format!("without {}", without.join(", "))) } else { String::new() };
     let column = compare.time.column.value.as_str();
+    let head = if twice { format!("  {left_out:>wide$}") } else { String::new() };
     writeln!(text, "{:12}  {column:>12}  {:>10}  {:>14}{head}", "body", "after", "with all laws")?;
     for row in rows {
         let km = |metres: f64| format!("{:.*}", if metres < 1e5 { 2 } else { 0 }, metres / 1e3);
-        let without = row.without.map_or(String::new(), |metres| format!("  {:>14}", km(metres)));
-        writeln!(
-            text,
-            "{:12}  {:>12}  {:>10}  {:>14}{without}",
-            row.name,
-            row.date,
-            duration(row.time),
-            km(row.distance),
-        )?;
+        let without = row.without.map_or(String::new(), |metres| format!("  {:>wide$}", km(metres)));
+        let (after, distance) = (duration(row.time), km(row.distance));
+        writeln!(text, "{:12}  {:>12}  {after:>10}  {distance:>14}{without}", row.name, row.date)?;
     }
     if !outcome.skipped.is_empty() {
         writeln!(text, "not compared, for the scene does not have them: {}", outcome.skipped.join(", "))?;

@@ -1,6 +1,6 @@
 //! The composed run: what an integrator asks, as passes over memory.
 //!
-//! In: the order of the laws, their kernels, a state. Out: [`Pipeline`], which evaluates any part of the rates, any
+//! In: the order of the laws, their kernels, a state. Out: `Pipeline`, which evaluates any part of the rates, any
 //! number of times, at any state and time. Never: a time of its own, a step.
 //!
 //! A *program* is made once for each thing that can be asked: the laws that it needs, in order, as *passes*. A pair, a

@@ -125,7 +125,7 @@ impl PropertyInfo {
         if self.unit.is_empty() { self.kind.to_string() } else { format!("{} [{}]", self.kind, self.unit) }
     }
 
-    /// "position [m]", or "ends" for what has no unit.
+    /// `position [m]`, or "ends" for what has no unit.
     pub fn described(&self) -> String {
         if self.unit.is_empty() { self.name.to_string() } else { format!("{} [{}]", self.name, self.unit) }
     }

@@ -1,6 +1,6 @@
 //! Names, types, units, rows: what the laws declare against what the state has.
 //!
-//! In: the laws as listed, and a state. Out: [`Registry`]: the laws that can run, each seated on its domain with every
+//! In: the laws as listed, and a state. Out: `Registry`: the laws that can run, each seated on its domain with every
 //! port tied to a quantity; why the others cannot; or all faults at once. Never: an order of laws, a loop over rows.
 
 mod check;

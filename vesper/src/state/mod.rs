@@ -1,6 +1,6 @@
 //! All data of a run: domains of rows, columns of properties, constants, fields.
 //!
-//! In: [`Domain`]s as the client gives them. Out: [`State`], checked, in one precision, in the properties' units; read
+//! In: [`Domain`](crate::domain::Domain)s as the client gives them. Out: [`State`], checked, in one precision, in the properties' units; read
 //! and changed by the client between steps. Never: a law; a name that only a physicist knows.
 
 mod build;
