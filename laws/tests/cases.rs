@@ -243,7 +243,8 @@ fn c7_pairs_on_a_spring_follow_their_references() {
 fn c7_momentum_and_angular_momentum_are_kept() {
     // Every kick is along the line between the two, so the first two keep both whatever the step. Runge-Kutta keeps what is
     // linear in the state, as momentum is; of the angular momentum it loses a share of its own order: 1.4e-12 at 1e-3 s.
-    let integrators: [(fn() -> Box<dyn Integrator>, f64); 3] = [
+    type Method = fn() -> Box<dyn Integrator>;
+    let integrators: [(Method, f64); 3] = [
         (|| Box::new(SemiImplicitEuler), 1e-3),
         (|| Box::new(Leapfrog::default()), 1e-3),
         (|| Box::new(RungeKutta4), 5e-4),

@@ -118,7 +118,7 @@ fn energy_by_parameter_is_conserved_too() {
         let builder = builder.constant(SpeedOfLight, [100.0]).boxed_integrator(integrator).step(1e-2);
         if relativity { builder.law(PostNewtonian).build().unwrap() } else { builder.build().unwrap() }
     };
-    let (_, all) = energy_drift(&mut engine(Box::new(Leapfrog::default()), false), 1e-2, 100, 100);
+    let (_, all) = energy_drift(&mut engine(Box::<Leapfrog>::default(), false), 1e-2, 100, 100);
     assert!(all < 1e-4, "{all:e}");
     let mut relativistic = engine(Box::new(RungeKutta4), true);
     assert_eq!(relativistic.energy().unwrap().1, ["post_newtonian"], "its energy is unknown, and that is said");
