@@ -89,9 +89,10 @@ pub(super) fn law_outcomes<P: Precision>(engine: &Engine<P>, seconds: &[f64]) ->
             status: law.status.word(),
             reason: match &law.status {
                 Status::Dormant(why) => Some(why.to_string()),
-                Status::Pruned { results, .. } => {
-                    Some(format!("neither the integrator nor an observer needs {}", results.join(", ")))
-                }
+                Status::Pruned { results, saving } => Some(format!(
+                    "neither the integrator nor an observer needs {}; {saving} saved per evaluation",
+                    results.join(", ")
+                )),
                 Status::Active { .. } | Status::Off => None,
             },
             rows: if let Status::Active { rows } = law.status { rows } else { 0 },
