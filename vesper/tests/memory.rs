@@ -48,13 +48,10 @@ fn kernels_of_all_shapes_in_all_lanes() {
 
 #[test]
 fn laws_that_are_held_look_back_and_amend() {
-    for integrator in [true, false] {
-        let builder = Engine::<f64>::builder().domain(bodies()).step(0.01).isa(Isa::Scalar).observe("bodies", Trace);
-        let builder = if integrator { builder.integrator(RungeKutta4) } else { builder.integrator(SemiImplicitEuler) };
-        let builder = builder.law(Weight).law(Drag.every(2)).law(Motion).law(Floor).law(Remember).law(Recorder);
-        let mut engine = builder.build().unwrap();
-        engine.advance(0.03).unwrap();
-    }
+    let builder = Engine::<f64>::builder().domain(bodies()).step(0.01).isa(Isa::Scalar).observe("bodies", Trace);
+    let builder = builder.law(Weight).law(Drag.every(2)).law(Motion).law(Floor).law(Remember).law(Recorder);
+    let mut engine = builder.integrator(RungeKutta4).build().unwrap();
+    engine.advance(0.02).unwrap();
 }
 
 #[test]
@@ -122,7 +119,6 @@ fn rows_and_columns_come_and_go() {
     engine.advance(0.01).unwrap();
     let copy = engine.state().clone();
     *engine.state_mut() = copy;
-    engine.advance(0.01).unwrap();
     let rows = engine.state().domain("bodies").unwrap().rows();
     engine.state_mut().remove_rows("bodies", &(0..rows).collect::<Vec<_>>()).unwrap();
     engine.advance(0.01).unwrap();

@@ -14,6 +14,16 @@ pub struct Charged<P> {
     mass: Column<P>,
     charge: Column<P>,
     drag: Column<P>,
+    /// The three fields and the step; data, as in an engine, so that the compiler cannot compute with them beforehand.
+    constants: Constants<P>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Constants<P> {
+    gravity: [P; 3],
+    electric: [P; 3],
+    magnetic: [P; 3],
+    step: P,
 }
 
 impl<P: Precision> Charged<P> {
@@ -25,6 +35,12 @@ impl<P: Precision> Charged<P> {
             mass: Column::new(6, bodies.mass.iter().copied()),
             charge: Column::new(7, bodies.charge.iter().copied()),
             drag: Column::new(8, bodies.drag.iter().copied()),
+            constants: Constants {
+                gravity: GRAVITY.map(P::from_f64),
+                electric: ELECTRIC.map(P::from_f64),
+                magnetic: MAGNETIC.map(P::from_f64),
+                step: P::from_f64(STEP),
+            },
         }
     }
 }
@@ -37,7 +53,7 @@ macro_rules! loops {
                 let [x, y, z] = self.position.each_mut().map(Column::slice);
                 let [vx, vy, vz] = self.velocity.each_mut().map(Column::slice);
                 let (mass, charge, drag) = (self.mass.numbers(), self.charge.numbers(), self.drag.numbers());
-                $baseline(x, y, z, vx, vy, vz, mass, charge, drag);
+                $baseline(x, y, z, vx, vy, vz, mass, charge, drag, self.constants);
             }
 
             /// One step with AVX2, where the processor has it.
@@ -48,7 +64,7 @@ macro_rules! loops {
                     let [vx, vy, vz] = self.velocity.each_mut().map(Column::slice);
                     let (mass, charge, drag) = (self.mass.numbers(), self.charge.numbers(), self.drag.numbers());
                     // SAFETY: the processor was asked.
-                    unsafe { $avx2(x, y, z, vx, vy, vz, mass, charge, drag) };
+                    unsafe { $avx2(x, y, z, vx, vy, vz, mass, charge, drag, self.constants) };
                     return;
                 }
                 self.step();
@@ -65,16 +81,13 @@ macro_rules! loops {
         fn $name(
             x: &mut [$scalar], y: &mut [$scalar], z: &mut [$scalar],
             vx: &mut [$scalar], vy: &mut [$scalar], vz: &mut [$scalar],
-            mass: &[$scalar], charge: &[$scalar], drag: &[$scalar],
+            mass: &[$scalar], charge: &[$scalar], drag: &[$scalar], constants: Constants<$scalar>,
         ) {
             let rows = x.len();
             let (y, z) = (&mut y[..rows], &mut z[..rows]);
             let (vx, vy, vz) = (&mut vx[..rows], &mut vy[..rows], &mut vz[..rows]);
             let (mass, charge, drag) = (&mass[..rows], &charge[..rows], &drag[..rows]);
-            let [gx, gy, gz] = GRAVITY.map(|number| number as $scalar);
-            let [ex, ey, ez] = ELECTRIC.map(|number| number as $scalar);
-            let [bx, by, bz] = MAGNETIC.map(|number| number as $scalar);
-            let step = STEP as $scalar;
+            let Constants { gravity: [gx, gy, gz], electric: [ex, ey, ez], magnetic: [bx, by, bz], step } = constants;
             for row in 0..rows {
                 let (m, q, b) = (mass[row], charge[row], drag[row]);
                 let (u, v, w) = (vx[row], vy[row], vz[row]);

@@ -226,7 +226,7 @@ impl<P: Scalar> FusedChain<P> {
                             let computed = matches!(self.layout.kinds[register], Register::Sum | Register::Set);
                             if computed {
                                 let Tie::Quantity(id) = tie else { return None };
-                                if !binder.plan.is_transient(*id) {
+                                if !binder.plan.is_transient(*id, binder.pipeline) {
                                     return None;
                                 }
                             } else if operand != Operand::Absent {

@@ -194,7 +194,7 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
             Operand::Field(..) => return Slot::Scratch(self.scratch(operand)),
             Operand::Quantity(..) | Operand::Rate(..) | Operand::Held(..) | Operand::Constant(..) => {
                 let transient = match operand {
-                    Operand::Quantity(id, _) => self.binder.plan.is_transient(id),
+                    Operand::Quantity(id, _) => self.binder.plan.is_transient(id, self.binder.pipeline),
                     _ => false,
                 };
                 match self.binder.locate(operand).filter(|_| !transient) {

@@ -121,8 +121,6 @@ pub(crate) struct Placed {
 pub(crate) struct Plan {
     pub(crate) key: Key,
     pub(crate) passes: Vec<Vec<Placed>>,
-    /// For each quantity, whether it is computed and lives in one pass only, so that a scratch of a block is enough.
-    transient: Vec<bool>,
 }
 
 /// Makes the plan of a key.
@@ -145,8 +143,7 @@ pub(crate) fn plan<P: Scalar>(key: Key, pipeline: &Pipeline<P>) -> Plan {
             _ => passes.push(vec![op]),
         }
     }
-    let transient = transient(key, &passes, pipeline);
-    Plan { key, passes, transient }
+    Plan { key, passes }
 }
 
 /// One stage of a key while its operations are listed.
@@ -390,47 +387,28 @@ impl<P: Scalar> Stage<'_, P> {
 
 impl Plan {
     /// Whether a computed quantity lives in one pass only, so that a scratch of a block is enough for it.
-    pub(crate) fn is_transient(&self, quantity: QuantityId) -> bool {
-        self.transient[quantity]
+    pub(crate) fn is_transient<P: Scalar>(&self, quantity: QuantityId, pipeline: &Pipeline<P>) -> bool {
+        let known = &pipeline.registry.quantities[quantity];
+        let previous = pipeline.registry.seats.iter().any(|seat| {
+            let ports = pipeline.entries[seat.law].signature.ports;
+            ports
+                .iter()
+                .zip(&seat.ties)
+                .any(|(port, tie)| port.mode == Mode::Previous && *tie == Tie::Quantity(quantity))
+        });
+        let looked_at = self.key == Key::Observe && pipeline.observed.contains(&quantity);
+        let computed = !known.given && !pipeline.states().contains(&quantity);
+        let passes: Vec<&Vec<Placed>> = self
+            .passes
+            .iter()
+            .filter(|pass| {
+                pass.iter()
+                    .any(|op| op.operands.iter().any(|at| matches!(at, Operand::Quantity(id, _) if *id == quantity)))
+            })
+            .collect();
+        let one_pass = matches!(passes.as_slice(), [pass] if pass.iter().all(|op| op.row_local && op.rows.is_none()));
+        computed && !previous && !looked_at && one_pass
     }
-}
-
-fn transient<P: Scalar>(key: Key, passes: &[Vec<Placed>], pipeline: &Pipeline<P>) -> Vec<bool> {
-    let quantities = &pipeline.registry.quantities;
-    // How many passes touch a quantity, and whether one of them does more than rows in their order.
-    let mut touched = vec![(0, false); quantities.len()];
-    for pass in passes {
-        let elsewhere = pass.iter().any(|op| !op.row_local || op.rows.is_some());
-        let mut here = vec![false; quantities.len()];
-        for at in pass.iter().flat_map(|op| &op.operands) {
-            if let Operand::Quantity(id, _) = at {
-                here[*id] = true;
-            }
-        }
-        for (touched, _) in touched.iter_mut().zip(here).filter(|(_, here)| *here) {
-            *touched = (touched.0 + 1, touched.1 || elsewhere);
-        }
-    }
-    let mut transient: Vec<bool> = quantities
-        .iter()
-        .zip(touched)
-        .enumerate()
-        .map(|(id, (known, touched))| {
-            let looked_at = key == Key::Observe && pipeline.observed.contains(&id);
-            !known.given && !looked_at && touched == (1, false)
-        })
-        .collect();
-    for state in pipeline.states() {
-        transient[state] = false;
-    }
-    for seat in &pipeline.registry.seats {
-        for (port, tie) in pipeline.entries[seat.law].signature.ports.iter().zip(&seat.ties) {
-            if let (Mode::Previous, Tie::Quantity(id)) = (port.mode, tie) {
-                transient[*id] = false;
-            }
-        }
-    }
-    transient
 }
 
 /// Gives every computed quantity that outlives a pass a column in the state.
@@ -439,7 +417,7 @@ pub(crate) fn materialise<P: Scalar>(plan: &Plan, pipeline: &Pipeline<P>, state:
         for operand in pass.iter().flat_map(|op| &op.operands) {
             let Operand::Quantity(id, _) = operand else { continue };
             let known = &pipeline.registry.quantities[*id];
-            if state.domains[known.domain].find(known.info.name).is_some() || plan.is_transient(*id) {
+            if state.domains[known.domain].find(known.info.name).is_some() || plan.is_transient(*id, pipeline) {
                 continue;
             }
             let domain = &mut state.domains[known.domain];
