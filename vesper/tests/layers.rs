@@ -126,7 +126,7 @@ fn modules_import_only_from_the_layers_below_them() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     let known = |layer: &&str| *layer == "dimension" || seen.iter().any(|own| own == *layer);
-    assert!(LAYERS.iter().all(|layer| known(layer)), "every layer has a file: {seen:?}");
+    assert!(LAYERS.iter().all(known), "every layer has a file: {seen:?}");
 }
 
 #[test]
