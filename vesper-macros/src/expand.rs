@@ -213,14 +213,13 @@ fn load(law: &Law, end: bool) -> TokenStream {
     let (number, ports, name) = (law.number(), law.side(false, end), law.made(if end { "End" } else { "Row" }));
     let fields = ports.iter().map(|&(i, port)| {
         let (field, property) = (&port.field, &port.property);
-        let read = match (port.place, is_optional(port)) {
-            (Place::Scene, false) => "read_constant",
-            (Place::Scene, true) => "read_optional_constant",
-            (_, false) => "read",
-            (_, true) => "read_optional",
-        };
-        let read = Ident::new(read, property.span());
-        quote_spanned!(property.span()=> #field: ::vesper::law::#read::<#property, #number, VesperSource>(source, #i, SLOTS[#i]),)
+        let read = Ident::new(if is_optional(port) { "read_optional" } else { "read" }, property.span());
+        let place = format_ident!("{}", format!("{:?}", port.place));
+        quote_spanned! {property.span()=>
+            #field: ::vesper::law::#read::<#property, #number, VesperSource>(
+                source, ::vesper::law::Place::#place, #i, SLOTS[#i]
+            ),
+        }
     });
     let marker = ports.is_empty().then(|| quote!(marker: ::core::marker::PhantomData));
     quote!(#name { #(#fields)* #marker })
@@ -233,15 +232,11 @@ fn store(law: &Law, end: bool) -> TokenStream {
     let (argument, sink) = (used("output", &ports), used("sink", &ports));
     let writes = ports.iter().map(|&(i, port)| {
         let (property, field) = (&port.property, &port.field);
-        let write = match port.mode {
-            Mode::Sets => "write_set",
-            Mode::Rates => "write_rate",
-            Mode::Amends => "write_amend",
-            Mode::Adds | Mode::Reads | Mode::Previous => "write_add",
-        };
-        let write = Ident::new(write, property.span());
+        let mode = format_ident!("{}", format!("{:?}", port.mode));
         let result = if ports.len() == 1 { quote!(output) } else { quote!(output.#field) };
-        quote_spanned!(property.span()=> ::vesper::law::#write::<#property, #number, VesperSink>(sink, #i, SLOTS[#i], #result);)
+        quote_spanned! {property.span()=>
+            ::vesper::law::write::<#property, #number, VesperSink>(sink, ::vesper::law::Mode::#mode, SLOTS[#i], #result);
+        }
     });
     quote! {
         #[inline(always)]

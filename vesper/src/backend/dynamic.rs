@@ -33,7 +33,8 @@ impl<P: Scalar> RowKernel<P> for Closure {
         let (inputs, all) = (slots[first], slots[slots.len() - 1]);
         for row in 0..call.rows {
             for (port, slot) in law.signature.ports[..first].iter().zip(slots) {
-                let at = if port.place == Place::Scene { 0 } else { row };
+                let uniform = port.place == Place::Field && call.uniform >> slot & 1 == 1;
+                let at = if port.place == Place::Scene || uniform { 0 } else { row };
                 let width = port.property.kind.width();
                 for (number, from) in numbers[*slot..][..width].iter_mut().zip(&call.slots[*slot..]) {
                     // SAFETY: the caller promises the rows.

@@ -3,9 +3,9 @@
 //! Every i has one owner and takes its j in the order of the rows, so the bits do not depend on the width of the lanes
 //! or on the number of threads.
 
-use super::pointers::{MAX_SLOTS, Rows, RowsMut, SUMS, Slots, Splat, StoreAll, Sums};
+use super::pointers::{MAX_SLOTS, Rows, RowsMut, SUMS, Slots, Splat, StoreAll, Sums, slot_count, slots_at};
 use super::{Compiled, Kernel};
-use crate::law::{Declared, PairFamily, PairLaw, Signature};
+use crate::law::{Declared, PairFamily, PairLaw, Place, Signature};
 use crate::real::{Isa, Lanes, Scalar, WithLanes};
 use core::ops::Range;
 
@@ -50,11 +50,7 @@ const fn first_output(signature: &Signature) -> usize {
 }
 
 const fn added(signature: &Signature) -> usize {
-    let (mut port, mut slots) = (0, 0);
-    while port < signature.ports.len() {
-        slots += signature.ports[port].property.kind.width();
-        port += 1;
-    }
+    let slots = slot_count(signature.ports);
     assert!(slots <= MAX_SLOTS, "a law touches at most 64 numbers");
     slots - first_output(signature)
 }
@@ -68,7 +64,8 @@ impl<P: Scalar, F: PairFamily> PairKernel<P> for F {
         if !F::ENERGY {
             return None;
         }
-        let slots = Slots::copied(call.slots);
+        // SAFETY: the caller promises the slots.
+        let slots = unsafe { Task::<P, F>::slots(call) };
         let law = self.kernel::<P>();
         // SAFETY: the caller promises the rows.
         let load = |row| unsafe { <F::Kernel<P> as Declared<P>>::load(&Rows::<P>::new(&slots, row)) };
@@ -93,6 +90,16 @@ struct Task<'a, P, F> {
 impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
     const FIRST: usize = first_output(&F::SIGNATURE);
     const ADDED: usize = added(&F::SIGNATURE);
+    const COUNT: usize = slot_count(F::SIGNATURE.ports);
+    const CONSTANTS: u64 = slots_at(F::SIGNATURE.ports, Place::Scene);
+
+    /// # Safety
+    /// As for [`PairKernel::run`].
+    #[inline(always)]
+    unsafe fn slots(call: &PairCall<'_, P>) -> Slots<P> {
+        // SAFETY: passed on to the caller.
+        unsafe { Slots::copied(call.slots, Self::COUNT, Self::CONSTANTS, 0) }
+    }
 
     /// What all other rows do to the rows of one set of lanes.
     #[inline(always)]
@@ -161,7 +168,8 @@ impl<P: Scalar, F: PairFamily> WithLanes<P> for Task<'_, P, F> {
     type Output = ();
     #[inline(always)]
     fn with<R: Lanes<P>>(self) {
-        let slots = Slots::copied(self.call.slots);
+        // SAFETY: `PairKernel::run` was promised the slots.
+        let slots = unsafe { Self::slots(self.call) };
         let mut i = self.call.from;
         if R::WIDTH > 1 && i + R::WIDTH <= self.call.to {
             let law = self.law.kernel::<R>();

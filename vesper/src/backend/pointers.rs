@@ -1,13 +1,13 @@
 //! Rows in memory as a source and a sink: a pointer for every component of every port.
 
-use crate::law::{Mode, Part, Sink, Source};
-use crate::real::{Lanes, Real};
+use crate::law::{Mode, Part, Place, Port, Sink, Source};
+use crate::real::{Lanes, Real, Scalar};
 use core::marker::PhantomData;
 
 pub(crate) use crate::law::MAX_SLOTS;
 
 /// The ports that the wanted rates depend on, one bit each; all ports for a law without rates.
-pub(crate) const fn wants(ports: &[crate::law::Port], part: Part) -> u64 {
+pub(crate) const fn wants(ports: &[Port], part: Part) -> u64 {
     let mut mask = 0;
     let mut rates = false;
     let mut port = 0;
@@ -27,17 +27,66 @@ pub(crate) const fn wants(ports: &[crate::law::Port], part: Part) -> u64 {
 }
 
 /// Pointers of a law's components, copied where no store of the loop can be thought to change them.
-#[derive(Clone, Copy)]
-pub(crate) struct Slots<P>([*mut P; MAX_SLOTS]);
+pub(crate) struct Slots<P> {
+    pointers: [*mut P; MAX_SLOTS],
+    /// The numbers of constants and uniform fields: here, too, no store of the loop can change them.
+    numbers: [P; MAX_SLOTS],
+    /// Slots of fields that are the same in all rows: one set of lanes each. One bit for each slot.
+    uniform: u64,
+}
 
-impl<P> Slots<P> {
+/// The row to load where all rows are the same (`uniform` has the bit `slot`): the first one. Computed, since a branch
+/// in the loop would keep the compiler from holding sums in registers.
+#[inline(always)]
+pub(crate) fn row_of(row: usize, uniform: u64, slot: usize) -> usize {
+    row & ((uniform >> slot & 1) as usize).wrapping_sub(1)
+}
+
+impl<P: Scalar> Slots<P> {
+    /// Copies the pointers of a law's `count` slots, and the numbers of those that `numbers` has a bit for. Both are
+    /// constants of the law: the copy is then a few moves.
+    ///
+    /// # Safety
+    /// There are `count` slots; those in `numbers` are null, or point to a number.
     #[inline(always)]
-    pub(crate) fn copied(slots: &[*mut P]) -> Self {
-        let mut copy = [core::ptr::null_mut(); MAX_SLOTS];
-        let count = slots.len().min(MAX_SLOTS);
-        copy[..count].copy_from_slice(&slots[..count]);
-        Slots(copy)
+    pub(crate) unsafe fn copied(slots: &[*mut P], count: usize, numbers: u64, uniform: u64) -> Self {
+        let mut copy =
+            Slots { pointers: [core::ptr::null_mut(); MAX_SLOTS], numbers: [P::default(); MAX_SLOTS], uniform };
+        for (slot, &pointer) in slots[..count].iter().enumerate() {
+            copy.pointers[slot] = pointer;
+            if numbers >> slot & 1 == 1 && !pointer.is_null() {
+                // SAFETY: passed on to the caller.
+                copy.numbers[slot] = unsafe { *pointer };
+            }
+        }
+        copy
     }
+}
+
+/// Numbers of all ports.
+pub(crate) const fn slot_count(ports: &[Port]) -> usize {
+    let (mut port, mut slots) = (0, 0);
+    while port < ports.len() {
+        slots += ports[port].property.kind.width();
+        port += 1;
+    }
+    slots
+}
+
+/// The slots of ports at `place`, one bit each.
+pub(crate) const fn slots_at(ports: &[Port], place: Place) -> u64 {
+    let (mut port, mut slot, mut mask) = (0, 0, 0_u64);
+    while port < ports.len() {
+        let next = slot + ports[port].property.kind.width();
+        while slot < next {
+            if ports[port].place as u8 == place as u8 && slot < 64 {
+                mask |= 1 << slot;
+            }
+            slot += 1;
+        }
+        port += 1;
+    }
+    mask
 }
 
 /// `R::WIDTH` neighbouring rows from `row` on.
@@ -46,34 +95,44 @@ pub(crate) struct Rows<'a, P> {
     row: usize,
 }
 
-impl<'a, P> Rows<'a, P> {
+impl<'a, P: Scalar> Rows<'a, P> {
+    /// The number of a uniform field.
+    #[inline(always)]
+    pub(crate) fn number(&self, slot: usize) -> P {
+        self.slots.numbers[slot]
+    }
+
     /// # Safety
     /// Every slot is null, or points to numbers of rows `row..row + R::WIDTH` of the lanes `R` it is read in, or, for a
-    /// constant, to one number; they stay valid for `'a`.
+    /// constant, to one number, or, for a uniform field, to `MAX_WIDTH` equal ones; they stay valid for `'a`.
     #[inline(always)]
     pub(crate) unsafe fn new(slots: &'a Slots<P>, row: usize) -> Self {
         Rows { slots, row }
     }
 }
 
-impl<P: Copy, R: Lanes<P>> Source<R> for Rows<'_, P> {
+impl<P: Scalar, R: Lanes<P>> Source<R> for Rows<'_, P> {
     #[inline(always)]
     fn wants(&self, _port: usize) -> bool {
         true
     }
     #[inline(always)]
     fn has(&self, slot: usize) -> bool {
-        !self.slots.0[slot].is_null()
+        !self.slots.pointers[slot].is_null()
     }
     #[inline(always)]
     fn component(&self, slot: usize) -> R {
         // SAFETY: `new` was promised the rows.
-        unsafe { R::load(self.slots.0[slot].add(self.row)) }
+        unsafe { R::load(self.slots.pointers[slot].add(self.row)) }
     }
     #[inline(always)]
     fn constant(&self, slot: usize) -> R {
-        // SAFETY: `new` was promised the number.
-        unsafe { R::splat(*self.slots.0[slot]) }
+        R::splat(self.slots.numbers[slot])
+    }
+    #[inline(always)]
+    fn field(&self, slot: usize) -> R {
+        // SAFETY: `new` was promised the rows.
+        unsafe { R::load(self.slots.pointers[slot].add(row_of(self.row, self.slots.uniform, slot))) }
     }
 }
 
@@ -92,24 +151,23 @@ impl<'a, P> Splat<'a, P> {
     }
 }
 
-impl<P: Copy, R: Lanes<P>> Source<R> for Splat<'_, P> {
+impl<P: Scalar, R: Lanes<P>> Source<R> for Splat<'_, P> {
     #[inline(always)]
     fn wants(&self, _port: usize) -> bool {
         true
     }
     #[inline(always)]
     fn has(&self, slot: usize) -> bool {
-        !self.slots.0[slot].is_null()
+        !self.slots.pointers[slot].is_null()
     }
     #[inline(always)]
     fn component(&self, slot: usize) -> R {
         // SAFETY: `new` was promised the row.
-        unsafe { R::splat(*self.slots.0[slot].add(self.row)) }
+        unsafe { R::splat(*self.slots.pointers[slot].add(self.row)) }
     }
     #[inline(always)]
     fn constant(&self, slot: usize) -> R {
-        // SAFETY: `new` was promised the number.
-        unsafe { R::splat(*self.slots.0[slot]) }
+        R::splat(self.slots.numbers[slot])
     }
 }
 
@@ -156,13 +214,13 @@ impl<P: Copy, R: Lanes<P>, Rule: RateRule> Sink<R> for RowsMut<'_, P, R, Rule> {
     #[inline(always)]
     fn set(&mut self, slot: usize, value: R) {
         // SAFETY: `new` was promised the rows.
-        unsafe { value.store(self.slots.0[slot].add(self.row)) }
+        unsafe { value.store(self.slots.pointers[slot].add(self.row)) }
     }
     #[inline(always)]
     fn add(&mut self, slot: usize, value: R) {
         // SAFETY: `new` was promised the rows.
         unsafe {
-            let to = self.slots.0[slot].add(self.row);
+            let to = self.slots.pointers[slot].add(self.row);
             (R::load(to) + value).store(to);
         }
     }

@@ -2,10 +2,10 @@
 
 use super::pointers::{
     AdvanceAll, AdvanceCoordinates, AdvanceMomenta, RateRule, Rows, RowsMut, Slots, StoreAll, StoreCoordinates,
-    StoreMomenta, wants,
+    StoreMomenta, slot_count, slots_at, wants,
 };
 use super::{Compiled, Kernel};
-use crate::law::{Declared, Mode, Part, RowFamily, RowLaw, Signature};
+use crate::law::{Declared, Mode, Part, Place, RowFamily, RowLaw, Signature, Source};
 use crate::real::{Isa, Lanes, Scalar, WithLanes};
 use core::marker::PhantomData;
 
@@ -13,6 +13,8 @@ use core::marker::PhantomData;
 pub(crate) struct RowCall<'a, P> {
     /// A pointer for every component: to the first row, or to the one number of a constant, or null.
     pub(crate) slots: &'a [*mut P],
+    /// One bit for each slot of a field that is the same in all rows: it has `MAX_WIDTH` equal numbers.
+    pub(crate) uniform: u64,
     pub(crate) rows: usize,
     /// The states whose rates are wanted.
     pub(crate) part: Part,
@@ -53,15 +55,15 @@ const fn gives_rates(signature: &Signature) -> bool {
 impl<P: Scalar, F: RowFamily> RowKernel<P> for F {
     unsafe fn run(&self, isa: Isa, call: &RowCall<'_, P>) {
         if const { !gives_rates(&F::SIGNATURE) } {
-            return Task::<P, F, StoreAll>::run(self, isa, call);
+            return run::<P, F, StoreAll>(self, isa, call);
         }
         match (call.part, call.advance.is_some()) {
-            (Part::All, false) => Task::<P, F, StoreAll>::run(self, isa, call),
-            (Part::Coordinates, false) => Task::<P, F, StoreCoordinates>::run(self, isa, call),
-            (Part::Momenta, false) => Task::<P, F, StoreMomenta>::run(self, isa, call),
-            (Part::All, true) => Task::<P, F, AdvanceAll>::run(self, isa, call),
-            (Part::Coordinates, true) => Task::<P, F, AdvanceCoordinates>::run(self, isa, call),
-            (Part::Momenta, true) => Task::<P, F, AdvanceMomenta>::run(self, isa, call),
+            (Part::All, false) => run::<P, F, StoreAll>(self, isa, call),
+            (Part::Coordinates, false) => run::<P, F, StoreCoordinates>(self, isa, call),
+            (Part::Momenta, false) => run::<P, F, StoreMomenta>(self, isa, call),
+            (Part::All, true) => run::<P, F, AdvanceAll>(self, isa, call),
+            (Part::Coordinates, true) => run::<P, F, AdvanceCoordinates>(self, isa, call),
+            (Part::Momenta, true) => run::<P, F, AdvanceMomenta>(self, isa, call),
         }
     }
 
@@ -69,7 +71,8 @@ impl<P: Scalar, F: RowFamily> RowKernel<P> for F {
         if !F::ENERGY {
             return None;
         }
-        let slots = Slots::copied(call.slots);
+        // SAFETY: the caller promises the slots.
+        let slots = unsafe { Slots::copied(call.slots, count::<F>(), constants::<F>(), call.uniform) };
         let law = self.kernel::<P>();
         let energy = (0..call.rows).map(|row| {
             // SAFETY: the caller promises the rows.
@@ -80,23 +83,42 @@ impl<P: Scalar, F: RowFamily> RowKernel<P> for F {
     }
 }
 
-struct Task<'a, P, F, Rule> {
+/// How many slots there are.
+const fn count<F: RowFamily>() -> usize {
+    const { slot_count(F::SIGNATURE.ports) }
+}
+
+/// The slots of constants of the scene, one bit each.
+const fn constants<F: RowFamily>() -> u64 {
+    const { slots_at(F::SIGNATURE.ports, Place::Scene) }
+}
+
+/// The slots of fields, one bit each.
+const fn fields<F: RowFamily>() -> u64 {
+    const { slots_at(F::SIGNATURE.ports, Place::Field) }
+}
+
+/// Runs the loop that is made for the fields as they are: those that are uniform are loaded before it.
+fn run<P: Scalar, F: RowFamily, Rule: RateRule>(law: &F, isa: Isa, call: &RowCall<'_, P>) {
+    if fields::<F>() != 0 && call.uniform == fields::<F>() {
+        P::with_lanes(isa, Task::<P, F, Rule, true> { law, call, rule: PhantomData });
+    } else {
+        P::with_lanes(isa, Task::<P, F, Rule, false> { law, call, rule: PhantomData });
+    }
+}
+
+/// The work of one call. `UNIFORM`: all fields of the law are.
+struct Task<'a, P, F, Rule, const UNIFORM: bool> {
     law: &'a F,
     call: &'a RowCall<'a, P>,
     rule: PhantomData<Rule>,
 }
 
-impl<'a, P: Scalar, F: RowFamily, Rule: RateRule> Task<'a, P, F, Rule> {
-    fn run(law: &'a F, isa: Isa, call: &'a RowCall<'a, P>) {
-        P::with_lanes(isa, Self { law, call, rule: PhantomData });
-    }
-}
-
-impl<P: Scalar, F: RowFamily, Rule: RateRule> Task<'_, P, F, Rule> {
+impl<P: Scalar, F: RowFamily, Rule: RateRule, const UNIFORM: bool> Task<'_, P, F, Rule, UNIFORM> {
     #[inline(always)]
     fn step<R: Lanes<P>>(law: &F::Kernel<R>, slots: &Slots<P>, row: usize, step: R) {
         // SAFETY: `RowKernel::run` was promised the rows; all loads of a row come before its stores.
-        let source = unsafe { Masked::<P, F, Rule>::new(slots, row) };
+        let source = unsafe { Masked::<P, F, Rule, UNIFORM>::new(slots, row) };
         let output = law.row(<F::Kernel<R> as Declared<R>>::load(&source));
         // SAFETY: as above.
         let mut sink = unsafe { RowsMut::<P, R, Rule>::new(slots, row, step) };
@@ -104,11 +126,15 @@ impl<P: Scalar, F: RowFamily, Rule: RateRule> Task<'_, P, F, Rule> {
     }
 }
 
-impl<P: Scalar, F: RowFamily, Rule: RateRule> WithLanes<P> for Task<'_, P, F, Rule> {
+impl<P: Scalar, F: RowFamily, Rule: RateRule, const UNIFORM: bool> WithLanes<P> for Task<'_, P, F, Rule, UNIFORM> {
     type Output = ();
     #[inline(always)]
     fn with<R: Lanes<P>>(self) {
-        let slots = Slots::copied(self.call.slots);
+        // SAFETY: `RowKernel::run` was promised the slots.
+        let slots = unsafe {
+            let fields = if UNIFORM { fields::<F>() } else { 0 };
+            Slots::copied(self.call.slots, count::<F>(), constants::<F>() | fields, self.call.uniform)
+        };
         let (rows, step) = (self.call.rows, self.call.advance.unwrap_or_default());
         let mut row = 0;
         if R::WIDTH > 1 && rows >= R::WIDTH {
@@ -128,12 +154,12 @@ impl<P: Scalar, F: RowFamily, Rule: RateRule> WithLanes<P> for Task<'_, P, F, Ru
 }
 
 /// [`Rows`] that only load what the wanted rates depend on.
-struct Masked<'a, P, F, Rule> {
+struct Masked<'a, P, F, Rule, const UNIFORM: bool> {
     rows: Rows<'a, P>,
     marker: PhantomData<(F, Rule)>,
 }
 
-impl<'a, P, F: RowFamily, Rule: RateRule> Masked<'a, P, F, Rule> {
+impl<'a, P: Scalar, F: RowFamily, Rule: RateRule, const UNIFORM: bool> Masked<'a, P, F, Rule, UNIFORM> {
     const MASK: u64 = wants(F::SIGNATURE.ports, Rule::PART);
 
     #[inline(always)]
@@ -143,14 +169,16 @@ impl<'a, P, F: RowFamily, Rule: RateRule> Masked<'a, P, F, Rule> {
     }
 }
 
-impl<P: Copy, R: Lanes<P>, F: RowFamily, Rule: RateRule> crate::law::Source<R> for Masked<'_, P, F, Rule> {
+impl<P: Scalar, R: Lanes<P>, F: RowFamily, Rule: RateRule, const UNIFORM: bool> Source<R>
+    for Masked<'_, P, F, Rule, UNIFORM>
+{
     #[inline(always)]
     fn wants(&self, port: usize) -> bool {
         port >= 64 || Self::MASK >> port & 1 == 1
     }
     #[inline(always)]
     fn has(&self, slot: usize) -> bool {
-        crate::law::Source::<R>::has(&self.rows, slot)
+        Source::<R>::has(&self.rows, slot)
     }
     #[inline(always)]
     fn component(&self, slot: usize) -> R {
@@ -159,5 +187,9 @@ impl<P: Copy, R: Lanes<P>, F: RowFamily, Rule: RateRule> crate::law::Source<R> f
     #[inline(always)]
     fn constant(&self, slot: usize) -> R {
         self.rows.constant(slot)
+    }
+    #[inline(always)]
+    fn field(&self, slot: usize) -> R {
+        if UNIFORM { R::splat(self.rows.number(slot)) } else { self.rows.field(slot) }
     }
 }

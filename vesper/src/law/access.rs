@@ -3,7 +3,7 @@
 //!
 //! A *slot* is the number of a component among all components of all ports of a law.
 
-use super::Mode;
+use super::{Mode, Place};
 use crate::property::{Give, Numeric, Property, Role, Take, ValueOf};
 use crate::real::Real;
 
@@ -37,6 +37,11 @@ pub trait Source<R> {
     fn component(&self, slot: usize) -> R;
     /// A component of a constant of the scene.
     fn constant(&self, slot: usize) -> R;
+    /// A component of a field at the row.
+    #[inline(always)]
+    fn field(&self, slot: usize) -> R {
+        self.component(slot)
+    }
 }
 
 /// Where results go: one row, or one row per lane.
@@ -65,57 +70,44 @@ pub const fn slots<const N: usize, const M: usize>(widths: &[usize; N]) -> [usiz
 struct Reader<'a, S> {
     source: &'a S,
     wanted: bool,
-    constant: bool,
+    place: Place,
     slot: usize,
 }
 
 impl<R: Real, S: Source<R>> Give<R> for Reader<'_, S> {
     #[inline(always)]
     fn give(&mut self, component: usize) -> R {
-        match (self.wanted, self.constant) {
-            (false, _) => R::lit(f64::NAN),
-            (true, false) => self.source.component(self.slot + component),
-            (true, true) => self.source.constant(self.slot + component),
+        let slot = self.slot + component;
+        match self.place {
+            _ if !self.wanted => R::lit(f64::NAN),
+            Place::Own | Place::End => self.source.component(slot),
+            Place::Scene => self.source.constant(slot),
+            Place::Field => self.source.field(slot),
         }
     }
 }
 
 /// Loads a value of property `Q`.
 #[inline(always)]
-pub fn read<Q: Property<Kind: Numeric>, R: Real, S: Source<R>>(source: &S, port: usize, slot: usize) -> ValueOf<Q, R> {
-    let wanted = source.wants(port);
-    <Q::Kind as Numeric>::from_components(Reader { source, wanted, constant: false, slot })
-}
-
-/// Loads a constant of the scene.
-#[inline(always)]
-pub fn read_constant<Q: Property<Kind: Numeric>, R: Real, S: Source<R>>(
+pub fn read<Q: Property<Kind: Numeric>, R: Real, S: Source<R>>(
     source: &S,
+    place: Place,
     port: usize,
     slot: usize,
 ) -> ValueOf<Q, R> {
     let wanted = source.wants(port);
-    <Q::Kind as Numeric>::from_components(Reader { source, wanted, constant: true, slot })
+    <Q::Kind as Numeric>::from_components(Reader { source, wanted, place, slot })
 }
 
 /// Loads a value of property `Q` where there is one.
 #[inline(always)]
 pub fn read_optional<Q: Property<Kind: Numeric>, R: Real, S: Source<R>>(
     source: &S,
+    place: Place,
     port: usize,
     slot: usize,
 ) -> Option<ValueOf<Q, R>> {
-    if source.has(slot) { Some(read::<Q, R, S>(source, port, slot)) } else { None }
-}
-
-/// Loads a constant of the scene where there is one.
-#[inline(always)]
-pub fn read_optional_constant<Q: Property<Kind: Numeric>, R: Real, S: Source<R>>(
-    source: &S,
-    port: usize,
-    slot: usize,
-) -> Option<ValueOf<Q, R>> {
-    if source.has(slot) { Some(read_constant::<Q, R, S>(source, port, slot)) } else { None }
+    if source.has(slot) { Some(read::<Q, R, S>(source, place, port, slot)) } else { None }
 }
 
 /// What becomes of the components of one port.
@@ -138,52 +130,14 @@ impl<R: Real, K: Sink<R>> Take<R> for Writer<'_, K> {
     }
 }
 
+/// Stores a result: adds it, sets it, or gives it as the rate of a state.
 #[inline(always)]
-fn write<Q: Property<Kind: Numeric>, R: Real, K: Sink<R>>(sink: &mut K, mode: Mode, slot: usize, value: ValueOf<Q, R>) {
+pub fn write<Q: Property<Kind: Numeric>, R: Real, K: Sink<R>>(
+    sink: &mut K,
+    mode: Mode,
+    slot: usize,
+    value: ValueOf<Q, R>,
+) {
     let coordinate = const { matches!(Q::INFO.role, Role::Coordinate) };
     <Q::Kind as Numeric>::each_component(value, Writer { sink, mode, coordinate, slot });
-}
-
-/// Stores a value computed anew.
-#[inline(always)]
-pub fn write_set<Q: Property<Kind: Numeric>, R: Real, K: Sink<R>>(
-    sink: &mut K,
-    _port: usize,
-    slot: usize,
-    value: ValueOf<Q, R>,
-) {
-    write::<Q, R, K>(sink, Mode::Sets, slot, value);
-}
-
-/// Adds a value to a sum.
-#[inline(always)]
-pub fn write_add<Q: Property<Kind: Numeric>, R: Real, K: Sink<R>>(
-    sink: &mut K,
-    _port: usize,
-    slot: usize,
-    value: ValueOf<Q, R>,
-) {
-    write::<Q, R, K>(sink, Mode::Adds, slot, value);
-}
-
-/// Gives the rate of a state.
-#[inline(always)]
-pub fn write_rate<Q: Property<Kind: Numeric>, R: Real, K: Sink<R>>(
-    sink: &mut K,
-    _port: usize,
-    slot: usize,
-    value: ValueOf<Q, R>,
-) {
-    write::<Q, R, K>(sink, Mode::Rates, slot, value);
-}
-
-/// Stores a corrected state.
-#[inline(always)]
-pub fn write_amend<Q: Property<Kind: Numeric>, R: Real, K: Sink<R>>(
-    sink: &mut K,
-    _port: usize,
-    slot: usize,
-    value: ValueOf<Q, R>,
-) {
-    write::<Q, R, K>(sink, Mode::Amends, slot, value);
 }

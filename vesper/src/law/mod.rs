@@ -10,10 +10,7 @@ mod dynamic;
 mod shape;
 mod signature;
 
-pub use access::{
-    Declared, Sink, Source, read, read_constant, read_optional, read_optional_constant, slots, write_add, write_amend,
-    write_rate, write_set,
-};
+pub use access::{Declared, Sink, Source, read, read_optional, slots, write};
 pub(crate) use columns::PortView;
 pub use columns::{ColumnAccess, DeclaredColumns, LinkSlice, Slice, SliceMut};
 pub use dynamic::{DynLaw, DynLawBuilder, DynRow};

@@ -11,9 +11,9 @@ pub use layout::{Layout, List};
 
 use super::bind::Binder;
 use super::plan::{Op, Operand, Placed};
-use crate::backend::{Compile, Compiled};
+use crate::backend::{Compile, Compiled, row_of};
 use crate::law::{Law, Mode, Part, Shape, Sink, Source, Stepped};
-use crate::real::{Isa, Lanes, Real, Scalar, WithLanes};
+use crate::real::{Isa, Lanes, MAX_WIDTH, Real, Scalar, WithLanes};
 use crate::registry::Tie;
 use layout::{REGISTERS, Register};
 
@@ -203,6 +203,16 @@ impl<P: Scalar> FusedChain<P> {
         self.layout.count
     }
 
+    /// What is known of the registers before the loop runs. `uniform`: those of uniform fields.
+    pub(super) fn fixed(&self, operands: &[(Operand, bool)], uniform: u64) -> Fixed {
+        let mask = |holds: &dyn Fn(usize) -> bool| (0..self.slots()).map(|k| u64::from(holds(k)) << k).sum::<u64>();
+        let present = mask(&|k| operands[k].0 != Operand::Absent);
+        let constants = mask(&|k| matches!(self.layout.kinds[k], Register::Constant | Register::OptionalConstant));
+        let plain = self.layout.is_plain(present, uniform);
+        let uniform = uniform | mask(&|k| operands[k].0 == Operand::Absent);
+        Fixed { present, uniform, numbers: constants | uniform, plain }
+    }
+
     /// The law that times of the loop are noted for: the last one.
     pub(crate) fn last_law(&self) -> usize {
         self.order.last().copied().unwrap_or_default()
@@ -254,27 +264,52 @@ impl<P: Scalar> FusedChain<P> {
     }
 
     /// # Safety
-    /// `slots` are null or point to the block's rows (constants: to one number), and nobody else touches states.
-    pub(crate) unsafe fn run(&self, isa: Isa, slots: &[*mut P], rows: usize, kick: Option<P>, drift: Option<P>) {
+    /// As [`ChainRun::run`].
+    pub(crate) unsafe fn run(&self, call: &ChainCall<'_, P>) {
         // SAFETY: passed on to the caller.
-        unsafe { self.run.run(isa, slots, rows, kick, drift) };
+        unsafe { self.run.run(call) };
     }
+}
+
+/// What does not change from call to call; one bit for each register.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fixed {
+    /// Those that are there.
+    present: u64,
+    /// Those that are the same in all rows: uniform fields, and what is absent.
+    uniform: u64,
+    /// Those that are one number.
+    numbers: u64,
+    /// As [`Layout::is_plain`] says.
+    plain: bool,
+}
+
+/// One call of a chain's loop.
+pub(crate) struct ChainCall<'a, P> {
+    pub(crate) isa: Isa,
+    /// A pointer for every register: to the first row, or to the one number of a constant or a uniform field, or null.
+    pub(crate) slots: &'a [*mut P],
+    pub(crate) fixed: Fixed,
+    pub(crate) rows: usize,
+    /// The steps by which momenta and coordinates advance.
+    pub(crate) kick: Option<P>,
+    pub(crate) drift: Option<P>,
 }
 
 trait ChainRun<P>: Send + Sync {
     /// # Safety
-    /// As for [`FusedChain::run`].
-    unsafe fn run(&self, isa: Isa, slots: &[*mut P], rows: usize, kick: Option<P>, drift: Option<P>);
+    /// The pointers are as [`ChainCall`] says and valid for its rows; nobody else touches the states.
+    unsafe fn run(&self, call: &ChainCall<'_, P>);
 }
 
 impl<P: Scalar, T: Chained> ChainRun<P> for Chain<T> {
-    unsafe fn run(&self, isa: Isa, slots: &[*mut P], rows: usize, kick: Option<P>, drift: Option<P>) {
-        let mut pointers = [core::ptr::null_mut(); REGISTERS];
-        pointers[..slots.len()].copy_from_slice(slots);
-        let kick = kick.unwrap_or_default();
-        match drift {
-            Some(drift) => P::with_lanes(isa, Loop::<P, T, true> { laws: &self.0, pointers, rows, kick, drift }),
-            None => P::with_lanes(isa, Loop::<P, T, false> { laws: &self.0, pointers, rows, kick, drift: kick }),
+    unsafe fn run(&self, call: &ChainCall<'_, P>) {
+        let (laws, drifts) = (&self.0, call.drift.is_some());
+        match (drifts, call.fixed.plain) {
+            (true, true) => P::with_lanes(call.isa, Loop::<P, T, true, true> { laws, call }),
+            (true, false) => P::with_lanes(call.isa, Loop::<P, T, true, false> { laws, call }),
+            (false, true) => P::with_lanes(call.isa, Loop::<P, T, false, true> { laws, call }),
+            (false, false) => P::with_lanes(call.isa, Loop::<P, T, false, false> { laws, call }),
         }
     }
 }
@@ -292,77 +327,119 @@ macro_rules! each_register {
     };
 }
 
-struct Loop<'a, P, T, const DRIFT: bool> {
+/// A chain's loop. `DRIFT`: coordinates advance, too. `PLAIN`: as [`Layout::is_plain`] says.
+struct Loop<'a, P, T, const DRIFT: bool, const PLAIN: bool> {
     laws: &'a T,
+    call: &'a ChainCall<'a, P>,
+}
+
+/// What the loop works on, copied where no store of the loop can be thought to change it.
+struct Work<P> {
     pointers: [*mut P; REGISTERS],
-    rows: usize,
+    /// The numbers of constants and uniform fields.
+    numbers: [P; REGISTERS],
+    present: u64,
+    uniform: u64,
     kick: P,
     drift: P,
 }
 
-impl<P: Scalar, T: Chained, const DRIFT: bool> Loop<'_, P, T, DRIFT> {
+impl<P: Scalar> Work<P> {
+    /// `zeros` stand for what is absent, so that the loop need not ask.
     #[inline(always)]
-    fn load<R: Lanes<P>>(&self, register: usize, row: usize) -> R {
-        let from = self.pointers[register];
+    fn new(call: &ChainCall<'_, P>, count: usize, zeros: &mut [P; MAX_WIDTH]) -> Self {
+        let Fixed { present, uniform, numbers, .. } = call.fixed;
+        let mut work = Work {
+            pointers: [zeros.as_mut_ptr(); REGISTERS],
+            numbers: [P::default(); REGISTERS],
+            present,
+            uniform,
+            kick: call.kick.unwrap_or_default(),
+            drift: call.drift.unwrap_or_default(),
+        };
+        for (register, &slot) in call.slots[..count].iter().enumerate() {
+            if !slot.is_null() {
+                work.pointers[register] = slot;
+            }
+            if numbers >> register & 1 == 1 {
+                // SAFETY: it points to the number, or to zeros.
+                work.numbers[register] = unsafe { *work.pointers[register] };
+            }
+        }
+        work
+    }
+}
+
+impl<P: Scalar, T: Chained, const DRIFT: bool, const PLAIN: bool> Loop<'_, P, T, DRIFT, PLAIN> {
+    #[inline(always)]
+    fn load<R: Lanes<P>>(work: &Work<P>, register: usize, row: usize) -> R {
+        let from = work.pointers[register];
+        let number = || R::splat(work.numbers[register]);
         // SAFETY: `FusedChain::run` was promised the rows; the same for all blocks here.
         unsafe {
             match const { &T::LAYOUT }.kinds[register] {
                 Register::Given => R::load(from.add(row)),
-                Register::Constant => R::splat(*from),
-                Register::Optional | Register::OptionalConstant | Register::Sum if from.is_null() => R::lit(0.0),
-                Register::Optional | Register::Sum => R::load(from.add(row)),
-                Register::OptionalConstant => R::splat(*from),
+                Register::Constant => number(),
+                Register::Field if PLAIN => number(),
+                Register::Optional | Register::OptionalConstant | Register::Sum if PLAIN => R::lit(0.0),
+                Register::OptionalConstant => number(),
+                Register::Optional | Register::Field | Register::Sum => {
+                    R::load(from.add(row_of(row, work.uniform, register)))
+                }
                 Register::Set => R::lit(0.0),
             }
         }
     }
 
     #[inline(always)]
-    fn rows<R: Lanes<P>>(&self, bodies: &T::Bodies<R>, row: usize) {
+    fn rows<R: Lanes<P>>(work: &Work<P>, bodies: &T::Bodies<R>, row: usize) {
         let zero = R::lit(0.0);
-        let mut file = Registers { values: [zero; REGISTERS], rates: [zero; REGISTERS], present: 0 };
         let layout = const { &T::LAYOUT };
+        let always = if PLAIN { const { T::LAYOUT.present(true) } } else { work.present };
+        let present = always | const { T::LAYOUT.present(false) };
+        let mut file = Registers { values: [zero; REGISTERS], rates: [zero; REGISTERS], present };
         each_register!(|register| if register < layout.count {
-            file.values[register] = self.load(register, row);
-            let computed = matches!(layout.kinds[register], Register::Sum | Register::Set);
-            file.present |= u64::from(computed || !self.pointers[register].is_null()) << register;
+            file.values[register] = Self::load(work, register, row);
         });
         T::steps::<T, R, Kick>(bodies, &mut file);
         each_register!(|register| if layout.kicked[register] {
-            file.values[register] += file.rates[register] * R::splat(self.kick);
+            file.values[register] += file.rates[register] * R::splat(work.kick);
             // SAFETY: see above.
-            unsafe { file.values[register].store(self.pointers[register].add(row)) };
+            unsafe { file.values[register].store(work.pointers[register].add(row)) };
         });
         if !DRIFT {
             return;
         }
         each_register!(|register| if matches!(layout.kinds[register], Register::Sum) {
-            file.values[register] = self.load(register, row);
+            file.values[register] = Self::load(work, register, row);
         });
         T::steps::<T, R, Drift>(bodies, &mut file);
         each_register!(|register| if layout.drifted[register] {
-            let value = file.values[register] + file.rates[register] * R::splat(self.drift);
+            let value = file.values[register] + file.rates[register] * R::splat(work.drift);
             // SAFETY: see above.
-            unsafe { value.store(self.pointers[register].add(row)) };
+            unsafe { value.store(work.pointers[register].add(row)) };
         });
     }
 }
 
-impl<P: Scalar, T: Chained, const DRIFT: bool> WithLanes<P> for Loop<'_, P, T, DRIFT> {
+impl<P: Scalar, T: Chained, const DRIFT: bool, const PLAIN: bool> WithLanes<P> for Loop<'_, P, T, DRIFT, PLAIN> {
     type Output = ();
     #[inline(always)]
     fn with<R: Lanes<P>>(self) {
+        let mut zeros = [P::default(); MAX_WIDTH];
+        let work = Work::new(self.call, const { T::LAYOUT.count }, &mut zeros);
+        let rows = self.call.rows;
         let mut row = 0;
-        if R::WIDTH > 1 && self.rows >= R::WIDTH {
+        if R::WIDTH > 1 && rows >= R::WIDTH {
             let bodies = self.laws.bodies::<R>();
-            while row + R::WIDTH <= self.rows {
-                self.rows::<R>(&bodies, row);
+            while row + R::WIDTH <= rows {
+                Self::rows::<R>(&work, &bodies, row);
                 row += R::WIDTH;
             }
         }
         let bodies = self.laws.bodies::<P>();
-        while row < self.rows {
-            self.rows::<P>(&bodies, row);
+        while row < rows {
+            Self::rows::<P>(&work, &bodies, row);
             row += 1;
         }
     }

@@ -1,15 +1,18 @@
 //! A group of row laws of one domain: block by block, all laws of the group before the next block.
 
-use super::FusedChain;
 use super::bind::{Base, Binder, Transfer, threads};
+use super::chain::{ChainCall, Fixed, FusedChain};
 use super::plan::{Op, Operand, Placed};
 use super::run::Context;
 use crate::backend::{BLOCK, Kernel, RowCall};
 use crate::column::Aligned;
 use crate::law::Part;
-use crate::real::Scalar;
+use crate::real::{MAX_WIDTH, Scalar, Vector, prefetch};
 use crate::registry::Backend;
 use core::ops::Range;
+
+/// Cache lines of each column that are asked for ahead of a block.
+const ANNOUNCED: usize = 8;
 
 /// Where a component is during a block.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +40,8 @@ enum BlockOp {
     Law {
         law: usize,
         slots: Range<usize>,
+        /// Which of them are of a uniform field: one set of lanes; a bit each.
+        uniform: u64,
         part: Part,
         advance: Option<usize>,
         energy: bool,
@@ -45,6 +50,7 @@ enum BlockOp {
     Fused {
         chain: usize,
         slots: Range<usize>,
+        fixed: Fixed,
         momenta: Option<usize>,
         coordinates: Option<usize>,
     },
@@ -61,8 +67,12 @@ struct Desk<P: Scalar> {
 /// A group, ready to run.
 pub(crate) struct Group<P: Scalar> {
     pub(crate) rows: usize,
+    /// Rows that all operations take before the next ones.
+    block: usize,
     pub(crate) fused: bool,
     slots: Vec<Slot<P>>,
+    /// Where the columns begin that are read or written in place.
+    columns: Vec<*mut P>,
     ops: Vec<BlockOp>,
     transfers: Vec<Transfer<P>>,
     desks: Vec<Desk<P>>,
@@ -86,7 +96,6 @@ pub(super) struct GroupBuilder<'a, P: Scalar> {
     transfers: Vec<Transfer<P>>,
     /// Scratches by what they hold.
     scratches: Vec<Operand>,
-    uniform: Vec<(usize, P)>,
     defaults: Vec<Aligned<P>>,
 }
 
@@ -101,7 +110,6 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
             ops: Vec::new(),
             transfers: Vec::new(),
             scratches: Vec::new(),
-            uniform: Vec::new(),
             defaults: Vec::new(),
         })
     }
@@ -116,19 +124,28 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
         // An energy is one sum over all rows, in their order.
         let energy = ops.iter().any(|op| matches!(op.op, Op::Law { energy: true, .. }));
         let backend = if energy { Backend::Cpu } else { ops[0].backend };
-        let threads =
-            threads(backend, self.rows, super::bind::PARALLEL_ROWS, self.binder.machine).min(self.rows.div_ceil(BLOCK));
-        let desks = (0..threads.max(1))
+        let threads = threads(backend, self.rows, super::bind::PARALLEL_ROWS, self.binder.machine)
+            .min(self.rows.div_ceil(BLOCK))
+            .max(1);
+        // One operation that keeps nothing between rows runs through all of a thread's rows.
+        let block = match (self.ops.len(), self.scratches.len()) {
+            (0 | 1, 0) => self.rows.div_ceil(threads).next_multiple_of(MAX_WIDTH),
+            _ => BLOCK,
+        };
+        let desks = (0..threads)
             .map(|_| {
-                let mut scratch = Aligned::zeros(self.scratches.len() * BLOCK, 0);
-                for (at, value) in &self.uniform {
-                    scratch.as_mut_slice()[at * BLOCK..][..BLOCK].fill(*value);
-                }
+                let scratch = Aligned::zeros(self.scratches.len() * block, 0);
                 Desk { scratch, pointers: vec![core::ptr::null_mut(); self.slots.len()], ready: false }
             })
             .collect();
+        let moving = |slot: &Slot<P>| if let Slot::Moving(start) = *slot { Some(start) } else { None };
+        let mut columns: Vec<*mut P> = self.slots.iter().filter_map(moving).collect();
+        columns.sort_unstable();
+        columns.dedup();
         Group {
             rows: self.rows,
+            block,
+            columns,
             fused,
             slots: self.slots,
             ops: self.ops,
@@ -139,24 +156,10 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
     }
 
     fn op(&mut self, op: &Placed) {
-        let slots = match &op.op {
-            Op::Sample { field, .. } => {
-                let uniform = self.binder.state.fields[*field].1.uniform();
-                let slots = self.slots(op);
-                if let Some(value) = uniform {
-                    use crate::real::Vector;
-                    let value = [value.x(), value.y(), value.z()];
-                    for (slot, value) in self.slots[slots.start + 3..slots.end].iter().zip(value) {
-                        if let Slot::Scratch(at) = slot {
-                            self.uniform.push((*at, value));
-                        }
-                    }
-                    return;
-                }
-                slots
-            }
-            _ => self.slots(op),
-        };
+        if matches!(op.op, Op::Sample { field } if self.uniform(field).is_some()) {
+            return;
+        }
+        let slots = self.slots(op);
         let half = slots.start + slots.len() / 2;
         self.ops.push(match op.op {
             Op::Start { from, .. } => match from {
@@ -166,10 +169,21 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
             Op::Sample { field, .. } => BlockOp::Sample { field, at: slots.start..half, to: half..slots.end },
             Op::Law { seat, part, advance, energy } => {
                 let law = self.binder.pipeline.registry.seats[seat].law;
-                BlockOp::Law { law, slots, part, advance, energy }
+                BlockOp::Law { law, slots, uniform: self.uniform_slots(&op.operands), part, advance, energy }
             }
             Op::Axpy { .. } | Op::Release { .. } | Op::Hold { .. } => return,
         });
+    }
+
+    /// The value of a field that has the same one everywhere.
+    fn uniform(&self, field: usize) -> Option<[P; 3]> {
+        let value = self.binder.state.fields[field].1.uniform()?;
+        Some([value.x(), value.y(), value.z()])
+    }
+
+    fn uniform_slots<'b>(&self, operands: impl IntoIterator<Item = &'b Operand>) -> u64 {
+        let uniform = |operand: &Operand| matches!(*operand, Operand::Field(field, _) if self.uniform(field).is_some());
+        operands.into_iter().enumerate().map(|(slot, operand)| u64::from(uniform(operand)) << slot).sum()
     }
 
     fn slots(&mut self, op: &Placed) -> Range<usize> {
@@ -184,14 +198,11 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
     fn slot(&mut self, operand: Operand, writes: bool) -> Slot<P> {
         let located = match operand {
             Operand::Absent => return Slot::Fixed(core::ptr::null_mut()),
-            Operand::Default(value) => {
-                let mut number = Aligned::zeros(1, 0);
-                number.as_mut_slice()[0] = P::from_f64(value);
-                let pointer = number.pointer();
-                self.defaults.push(number);
-                return Slot::Fixed(pointer);
-            }
-            Operand::Field(..) => return Slot::Scratch(self.scratch(operand)),
+            Operand::Default(value) => return self.fixed(P::from_f64(value), 1),
+            Operand::Field(field, component) => match self.uniform(field) {
+                Some(value) => return self.fixed(value[component], MAX_WIDTH),
+                None => return Slot::Scratch(self.scratch(operand)),
+            },
             Operand::Quantity(..) | Operand::Rate(..) | Operand::Held(..) | Operand::Constant(..) => {
                 let transient = match operand {
                     Operand::Quantity(id, _) => self.binder.plan.is_transient(id, self.binder.pipeline),
@@ -221,6 +232,14 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
         }
     }
 
+    fn fixed(&mut self, value: P, copies: usize) -> Slot<P> {
+        let mut numbers = Aligned::zeros(copies, 0);
+        numbers.as_mut_slice().fill(value);
+        let pointer = numbers.pointer();
+        self.defaults.push(numbers);
+        Slot::Fixed(pointer)
+    }
+
     fn scratch(&mut self, operand: Operand) -> usize {
         self.scratches.iter().position(|other| *other == operand).unwrap_or_else(|| {
             self.scratches.push(operand);
@@ -233,6 +252,7 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
         let Some((chain, steps)) = self.matching_chain(ops) else { return false };
         let Some(operands) = chain.operands(self.binder, ops) else { return false };
         let from = self.slots.len();
+        let fixed = chain.fixed(&operands, self.uniform_slots(operands.iter().map(|(operand, _)| operand)));
         for operand in operands {
             let slot = self.slot(operand.0, operand.1);
             self.slots.push(slot);
@@ -243,7 +263,7 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
             self.op(op);
         }
         let slots = from..from + chain.slots();
-        self.ops.push(BlockOp::Fused { chain: steps.0, slots, momenta: steps.1, coordinates: steps.2 });
+        self.ops.push(BlockOp::Fused { chain: steps.0, slots, fixed, momenta: steps.1, coordinates: steps.2 });
         true
     }
 
@@ -290,13 +310,13 @@ impl<P: Scalar> Group<P> {
     /// # Safety
     /// The state has the layout that the group was tied to, and nobody else touches it.
     pub(crate) unsafe fn run(&mut self, context: &Context<'_, P>) -> f64 {
-        let Group { rows, slots, ops, transfers, desks, .. } = self;
-        let body = Body { rows: *rows, slots, ops, transfers, context };
+        let Group { rows, block, slots, columns, ops, transfers, desks, .. } = self;
+        let body = Body { rows: *rows, block: *block, slots, columns, ops, transfers, context };
         if let [desk] = desks.as_mut_slice() {
             // SAFETY: passed on to the caller.
-            return unsafe { body.blocks(0..rows.div_ceil(BLOCK), desk) };
+            return unsafe { body.blocks(0..rows.div_ceil(*block), desk) };
         }
-        let blocks = rows.div_ceil(BLOCK);
+        let blocks = rows.div_ceil(*block);
         let each = blocks.div_ceil(desks.len());
         super::run::on_threads(context, desks, |thread, desk| {
             // SAFETY: passed on to the caller; threads get different blocks, which are different rows.
@@ -317,7 +337,9 @@ unsafe impl<P: Scalar> Send for Desk<P> {}
 /// What threads share of a group.
 struct Body<'a, P: Scalar> {
     rows: usize,
+    block: usize,
     slots: &'a [Slot<P>],
+    columns: &'a [*mut P],
     ops: &'a [BlockOp],
     transfers: &'a [Transfer<P>],
     context: &'a Context<'a, P>,
@@ -332,16 +354,19 @@ impl<P: Scalar> Body<'_, P> {
     unsafe fn blocks(&self, blocks: Range<usize>, desk: &mut Desk<P>) -> f64 {
         let mut energy = 0.0;
         for block in blocks {
-            let first = block * BLOCK;
-            let rows = first..(first + BLOCK).min(self.rows);
+            let first = block * self.block;
+            let rows = first..(first + self.block).min(self.rows);
             if !desk.ready {
                 self.point(first, desk);
-                desk.ready = self.rows <= BLOCK;
+                desk.ready = self.rows <= self.block;
             }
-            let scratch = |at: usize| desk.scratch.pointer().wrapping_add(at * BLOCK);
+            let scratch = |at: usize| desk.scratch.pointer().wrapping_add(at * self.block);
             for transfer in self.transfers {
                 // SAFETY: the rows exist, and a scratch holds a block.
                 unsafe { transfer.load(self.context.lent, rows.clone(), scratch(transfer.scratch)) };
+            }
+            if rows.end < self.rows {
+                self.announce(rows.end);
             }
             for op in self.ops {
                 // SAFETY: the pointers are those of this block.
@@ -355,13 +380,23 @@ impl<P: Scalar> Body<'_, P> {
         energy
     }
 
+    /// Asks for the beginnings of the next block's columns: the processor foresees a stream only once it has begun, and
+    /// no further than to the end of a page, which is about the end of a block.
+    fn announce(&self, first: usize) {
+        for &column in self.columns {
+            for line in 0..ANNOUNCED {
+                prefetch(column.wrapping_add(first).wrapping_byte_add(line * 64));
+            }
+        }
+    }
+
     fn point(&self, first: usize, desk: &mut Desk<P>) {
         let scratch = desk.scratch.pointer();
         for (pointer, slot) in desk.pointers.iter_mut().zip(self.slots) {
             *pointer = match *slot {
                 Slot::Moving(start) => start.wrapping_add(first),
                 Slot::Fixed(number) => number,
-                Slot::Scratch(at) => scratch.wrapping_add(at * BLOCK),
+                Slot::Scratch(at) => scratch.wrapping_add(at * self.block),
             };
         }
     }
@@ -395,10 +430,10 @@ impl<P: Scalar> Body<'_, P> {
                 };
                 context.fields[*field].1.sample_block(at, context.time, to);
             }
-            BlockOp::Law { law, slots, part, advance, energy } => {
+            BlockOp::Law { law, slots, uniform, part, advance, energy } => {
                 let Kernel::Row(kernel) = &context.laws[*law].compiled.kernel else { return 0.0 };
                 let advance = advance.map(|stage| context.steps[stage]);
-                let call = RowCall { slots: &pointers[slots.clone()], rows, part: *part, advance };
+                let call = RowCall { slots: &pointers[slots.clone()], uniform: *uniform, rows, part: *part, advance };
                 if *energy {
                     // SAFETY: passed on to the caller.
                     return unsafe { kernel.energy(&call) }.unwrap_or_default();
@@ -410,12 +445,21 @@ impl<P: Scalar> Body<'_, P> {
                 let first = || slots.start + super::run::first_result(context, *law);
                 context.watch(*law, || pointers[first()..slots.end].iter().map(|start| (*start, 1, rows)));
             }
-            BlockOp::Fused { chain, slots, momenta, coordinates } => {
+            BlockOp::Fused { chain, slots, fixed, momenta, coordinates } => {
                 let chain = &context.chains[*chain];
                 let step = |stage: &Option<usize>| stage.map(|stage| context.steps[stage]);
                 context.timed(chain.last_law(), || {
                     // SAFETY: passed on to the caller.
-                    unsafe { chain.run(context.isa, &pointers[slots.clone()], rows, step(momenta), step(coordinates)) };
+                    unsafe {
+                        chain.run(&ChainCall {
+                            isa: context.isa,
+                            slots: &pointers[slots.clone()],
+                            fixed: *fixed,
+                            rows,
+                            kick: step(momenta),
+                            drift: step(coordinates),
+                        });
+                    }
                 });
             }
         }

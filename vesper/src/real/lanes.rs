@@ -3,6 +3,9 @@
 use super::{Mask, Real, Vec3};
 use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, Neg, Not, Sub, SubAssign};
 
+/// The most lanes that there are.
+pub(crate) const MAX_WIDTH: usize = 16;
+
 /// A [`Real`] that holds `WIDTH` numbers of precision `P`, one row in each lane.
 pub trait Lanes<P>: Real {
     /// Numbers side by side.

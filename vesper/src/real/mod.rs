@@ -13,6 +13,13 @@ mod vector;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+pub(crate) use lanes::MAX_WIDTH;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use x86::prefetch;
+
+/// Only where the processor's family has the instruction.
+#[cfg(not(target_arch = "x86_64"))]
+pub(crate) fn prefetch<P>(_from: *const P) {}
 pub use lanes::{Isa, Lanes, WithLanes};
 pub use scalar::{InPrecision, Scalar};
 pub use vector::Vec3;

@@ -8,6 +8,13 @@ use super::{Lanes, Mask, Real, Vec3, WithLanes};
 use core::arch::x86_64::*;
 use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, Neg, Not, Sub, SubAssign};
 
+/// Asks for the cache line of an address, which need not be valid.
+#[inline(always)]
+pub(crate) fn prefetch<P>(from: *const P) {
+    // SAFETY: a prefetch reads nothing that the program sees, and never faults; every x86-64 processor has it.
+    unsafe { _mm_prefetch::<_MM_HINT_T0>(from.cast()) };
+}
+
 /// Runs `task` compiled for AVX2.
 ///
 /// # Safety
@@ -272,22 +279,24 @@ macro_rules! lanes {
     };
 }
 
+// A selection is written in bits: the compiler knows these and makes the best of them (one `and` where one side is zero),
+// but leaves a `blendv`, which looks at signs alone, as it stands.
 lanes!(
-    Avx2F32, Avx2F32Mask, f32, __m256, __m256, 2 [0 1], 8,
+    Avx2F32, Avx2F32Mask, f32, __m256, __m256, 1 [0], 8,
     _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps
     _mm256_sqrt_ps _mm256_min_ps _mm256_max_ps,
     |a, b, m| neg _mm256_xor_ps(a, _mm256_set1_ps(-0.0)), abs _mm256_andnot_ps(_mm256_set1_ps(-0.0), a),
     less _mm256_cmp_ps::<_CMP_LT_OQ>(a, b), less_or_equal _mm256_cmp_ps::<_CMP_LE_OQ>(a, b),
-    equal _mm256_cmp_ps::<_CMP_EQ_OQ>(a, b), select _mm256_blendv_ps(b, a, m),
+    equal _mm256_cmp_ps::<_CMP_EQ_OQ>(a, b), select _mm256_or_ps(_mm256_and_ps(m, a), _mm256_andnot_ps(m, b)),
     and _mm256_and_ps(a, b), or _mm256_or_ps(a, b), not _mm256_xor_ps(a, _mm256_castsi256_ps(_mm256_set1_epi32(-1)))
 );
 lanes!(
-    Avx2F64, Avx2F64Mask, f64, __m256d, __m256d, 2 [0 1], 4,
+    Avx2F64, Avx2F64Mask, f64, __m256d, __m256d, 1 [0], 4,
     _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd
     _mm256_sqrt_pd _mm256_min_pd _mm256_max_pd,
     |a, b, m| neg _mm256_xor_pd(a, _mm256_set1_pd(-0.0)), abs _mm256_andnot_pd(_mm256_set1_pd(-0.0), a),
     less _mm256_cmp_pd::<_CMP_LT_OQ>(a, b), less_or_equal _mm256_cmp_pd::<_CMP_LE_OQ>(a, b),
-    equal _mm256_cmp_pd::<_CMP_EQ_OQ>(a, b), select _mm256_blendv_pd(b, a, m),
+    equal _mm256_cmp_pd::<_CMP_EQ_OQ>(a, b), select _mm256_or_pd(_mm256_and_pd(m, a), _mm256_andnot_pd(m, b)),
     and _mm256_and_pd(a, b), or _mm256_or_pd(a, b), not _mm256_xor_pd(a, _mm256_castsi256_pd(_mm256_set1_epi32(-1)))
 );
 lanes!(

@@ -60,6 +60,7 @@ pub(crate) enum Register {
     Constant,
     Optional,
     OptionalConstant,
+    Field,
     Sum,
     Set,
 }
@@ -146,6 +147,8 @@ impl Layout {
                 if matches!(port.property.role, Role::Sum { .. }) {
                     self.kinds[register] = Register::Sum;
                 } else if matches!(self.kinds[register], Register::Set) {
+                } else if matches!(port.place, Place::Field) {
+                    self.kinds[register] = Register::Field;
                 } else if port.optional && constant {
                     self.kinds[register] = Register::OptionalConstant;
                 } else if constant {
@@ -155,6 +158,34 @@ impl Layout {
                 }
             }
         }
+    }
+
+    /// The registers that the chain itself fills; or, of a plain one, those that have a column or a number. One bit each.
+    pub(super) const fn present(&self, given: bool) -> u64 {
+        let (mut register, mut mask) = (0, 0_u64);
+        while register < self.count {
+            let of_kind = match self.kinds[register] {
+                Register::Sum | Register::Set => !given,
+                Register::Given | Register::Constant | Register::Field => given,
+                Register::Optional | Register::OptionalConstant => false,
+            };
+            if of_kind {
+                mask |= 1 << register;
+            }
+            register += 1;
+        }
+        mask
+    }
+
+    /// Whether nothing optional is there, sums begin at zero, and all fields are uniform: what most runs are, and what a
+    /// loop of its own is made for.
+    pub(super) fn is_plain(&self, present: u64, uniform: u64) -> bool {
+        let has = |mask: u64, register: usize| mask >> register & 1 == 1;
+        (0..self.count).all(|register| match self.kinds[register] {
+            Register::Given | Register::Constant | Register::Set => true,
+            Register::Optional | Register::OptionalConstant | Register::Sum => !has(present, register),
+            Register::Field => has(present, register) && has(uniform, register),
+        })
     }
 
     pub(crate) fn first_of(&self, name: &str) -> Option<usize> {
