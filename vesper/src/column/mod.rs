@@ -120,6 +120,7 @@ impl<P: Scalar> Column<P> {
         }
     }
 
+    #[inline]
     pub(crate) fn set_number(&mut self, index: usize, component: usize, value: P) {
         match &mut self.storage {
             Storage::Split(components) => components[component].as_mut_slice()[index] = value,

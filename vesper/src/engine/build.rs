@@ -351,6 +351,7 @@ impl<P: Scalar> Builder<P> {
             clock: Clock { time, since: 0, step: 0.0 },
             touched: false,
             stale: false,
+            quiet: f64::NAN,
             kept: None,
         })
     }

@@ -112,6 +112,7 @@ impl<P: Scalar> Engine<P> {
             return Err(misfit("its clock makes no sense".to_owned()));
         }
         let state = restored(&self.state, checkpoint).map_err(misfit)?;
+        self.quiet = f64::NAN;
         let before = core::mem::replace(&mut self.state, state);
         if let Err(faults) = self.rebuild() {
             self.state = before;

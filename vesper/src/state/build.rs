@@ -31,12 +31,18 @@ impl<P: Scalar> State<P> {
         let mut faults = Vec::new();
         let mut scene = Domain::new(SCENE).rows(1).with(Time, [0.0]);
         let mut given: Vec<Domain<P>> = Vec::new();
+        let mut clock_given = false;
         for domain in domains {
             if domain.name == SCENE {
                 for column in domain.columns {
                     // The time is there from the start, so that laws may always read it; a client may set its start.
-                    scene.columns.retain(|old| old.info.name != Time.info().name || column.info.name != old.info.name);
-                    scene.columns.push(column);
+                    // It stays the first column.
+                    if column.info.name == Time.info().name && !clock_given {
+                        clock_given = true;
+                        scene.columns[0] = column;
+                    } else {
+                        scene.columns.push(column);
+                    }
                 }
             } else if given.iter().any(|other| other.name == domain.name) {
                 faults.push(Fault::DomainTwice { domain: domain.name.clone() });

@@ -236,10 +236,10 @@ impl<P: Scalar> State<P> {
         self.scene_number(Time::NAME)
     }
 
+    #[inline]
     pub(crate) fn set_time(&mut self, time: P) {
-        if let Some(column) = self.domains[0].columns.iter_mut().find(|column| column.info.name == Time::NAME) {
-            column.set_number(0, 0, time);
-        }
+        // The first column of the scene, since the state was built.
+        self.domains[0].columns[0].set_number(0, 0, time);
     }
 
     fn scene_number(&self, property: &str) -> P {

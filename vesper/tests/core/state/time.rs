@@ -69,5 +69,5 @@ fn time_goes_on_where_nothing_moves() {
     engine.advance(1.0).unwrap();
     assert_eq!((engine.time(), engine.state().time(), engine.steps()), (1.0, 1.0, 4));
     engine.steps_of(u64::MAX, 0.25).unwrap();
-    assert_eq!(engine.steps(), u64::MAX);
+    assert_eq!(engine.steps(), i64::MAX as u64, "counting ends there");
 }

@@ -1,8 +1,6 @@
 //! Every scene of `examples/scenes` is read, explained and run, and comes to what its first lines say.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use serde_json::Value;
 use vesper_cli::scene::Scene;
 

@@ -1,8 +1,6 @@
 //! The command as a user runs it: exit status, output, files, checkpoints.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use serde_json::json;
 
 const PAIR: &str = "title = \"a, \\\"b\\\" & <c>\"\n[engine]\nstep = 0.01\nend = 1\n[domains.bodies]\nname = [\"left, first\", \"right\"]\n\

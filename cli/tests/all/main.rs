@@ -1,0 +1,8 @@
+//! All tests of the command and of the scene reader, as one program.
+
+mod command;
+mod common;
+mod examples;
+mod names;
+mod scene;
+mod scene_mistakes;

@@ -1,0 +1,10 @@
+//! All tests of the stock laws that need more than one law, as one program: linking eight takes minutes.
+
+mod backends;
+mod cases;
+mod catalog;
+mod conservation;
+mod orders;
+mod precision;
+mod solar_system;
+mod subset;
