@@ -19,6 +19,11 @@
 //! [`catalog`] lists the laws for whoever chooses by name; [`invariants`] sums what an undisturbed system keeps;
 //! [`mod@reference`] holds problems with known answers.
 
+/// The code of the repository's front page, run as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct FrontPage;
+
 pub mod catalog;
 pub mod invariants;
 pub mod reference;
