@@ -2,7 +2,7 @@
 
 use super::row::{RowCall, RowKernel};
 use super::{Compile, Compiled, Kernel, MAX_SLOTS};
-use crate::law::{DynLaw, Mode, Place};
+use crate::law::{DynLaw, Mode, Part, Place};
 use crate::property::Role;
 use crate::real::{Isa, Scalar};
 
@@ -27,6 +27,25 @@ struct Closure {
 
 impl<P: Scalar> RowKernel<P> for Closure {
     unsafe fn run(&self, _isa: Isa, call: &RowCall<'_, P>) {
+        // SAFETY: passed on to the caller.
+        unsafe { self.rows(call) };
+        if call.drift.is_some() {
+            // A row's drift needs no other row's kick, so all kicks may come first.
+            let drift = RowCall { part: Part::Coordinates, advance: call.drift, drift: None, ..*call };
+            // SAFETY: as above.
+            unsafe { self.rows(&drift) };
+        }
+    }
+
+    unsafe fn energy(&self, _call: &RowCall<'_, P>) -> Option<f64> {
+        None
+    }
+}
+
+impl Closure {
+    /// # Safety
+    /// As for [`RowKernel::run`].
+    unsafe fn rows<P: Scalar>(&self, call: &RowCall<'_, P>) {
         let Closure { law, slots } = self;
         let mut numbers = [0.0; MAX_SLOTS];
         let first = law.signature.inputs().count();
@@ -53,10 +72,6 @@ impl<P: Scalar> RowKernel<P> for Closure {
             }
         }
     }
-
-    unsafe fn energy(&self, _call: &RowCall<'_, P>) -> Option<f64> {
-        None
-    }
 }
 
 /// # Safety
@@ -65,7 +80,7 @@ unsafe fn write<P: Scalar>(mode: Mode, role: Role, call: &RowCall<'_, P>, to: *m
     // SAFETY: passed on to the caller.
     unsafe {
         match (mode, call.advance) {
-            (Mode::Adds, _) => *to.add(row) += value,
+            (Mode::Adds, _) if !call.first => *to.add(row) += value,
             (Mode::Rates, _) if !call.part.holds(&role) => {}
             (Mode::Rates, Some(step)) => *to.add(row) += value * step,
             _ => *to.add(row) = value,

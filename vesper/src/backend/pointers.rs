@@ -177,20 +177,28 @@ pub(crate) trait RateRule {
     const PART: Part;
     /// Whether the state is advanced by the rate at once, instead of the rate being stored.
     const ADVANCE: bool;
+    /// Whether sums begin with what is added.
+    const FIRST: bool;
+    /// Whether the coordinates advance after the momenta.
+    const DRIFT: bool;
 }
 
 macro_rules! rate_rules {
-    ($($name:ident $part:ident $advance:literal,)*) => {$(
+    ($($name:ident $part:ident $advance:literal $first:literal $drift:literal,)*) => {$(
         pub(crate) struct $name;
         impl RateRule for $name {
             const PART: Part = Part::$part;
             const ADVANCE: bool = $advance;
+            const FIRST: bool = $first;
+            const DRIFT: bool = $drift;
         }
     )*};
 }
 rate_rules! {
-    StoreAll All false, StoreCoordinates Coordinates false, StoreMomenta Momenta false,
-    AdvanceAll All true, AdvanceCoordinates Coordinates true, AdvanceMomenta Momenta true,
+    StoreAll All false false false, StoreFirst All false true false,
+    StoreCoordinates Coordinates false false false, StoreMomenta Momenta false false false,
+    AdvanceAll All true false false, AdvanceCoordinates Coordinates true false false,
+    AdvanceMomenta Momenta true false false, KickDrift Momenta true false true,
 }
 
 /// `R::WIDTH` neighbouring rows from `row` on, to write.
@@ -218,6 +226,9 @@ impl<P: Copy, R: Lanes<P>, Rule: RateRule> Sink<R> for RowsMut<'_, P, R, Rule> {
     }
     #[inline(always)]
     fn add(&mut self, slot: usize, value: R) {
+        if Rule::FIRST {
+            return self.set(slot, value);
+        }
         // SAFETY: `new` was promised the rows.
         unsafe {
             let to = self.slots.pointers[slot].add(self.row);

@@ -1,12 +1,12 @@
 //! The loop of a row law: block by block, lanes first, then the rows that are left one by one.
 
 use super::pointers::{
-    AdvanceAll, AdvanceCoordinates, AdvanceMomenta, RateRule, Rows, RowsMut, Slots, StoreAll, StoreCoordinates,
-    StoreMomenta, slot_count, slots_at, wants,
+    AdvanceAll, AdvanceCoordinates, AdvanceMomenta, KickDrift, RateRule, Rows, RowsMut, Slots, StoreAll,
+    StoreCoordinates, StoreFirst, StoreMomenta, slot_count, slots_at, wants,
 };
 use super::{Compiled, Kernel};
 use crate::law::{Declared, Mode, Part, Place, RowFamily, RowLaw, Signature, Source};
-use crate::real::{Isa, Lanes, Scalar, WithLanes};
+use crate::real::{Isa, Lanes, Scalar, WithLanes, prefetch};
 use core::marker::PhantomData;
 
 /// One call of a row kernel.
@@ -20,7 +20,16 @@ pub(crate) struct RowCall<'a, P> {
     pub(crate) part: Part,
     /// The step by which rates advance the states they point to; `None` stores the rates.
     pub(crate) advance: Option<P>,
+    /// The step by which coordinates advance after the momenta, in the same loop.
+    pub(crate) drift: Option<P>,
+    /// Whether the sums of a law without rates begin with it: its shares are stored, whatever is there.
+    pub(crate) first: bool,
+    /// Memory that later calls will want: as many numbers as there are rows.
+    pub(crate) ahead: [*const P; AHEAD],
 }
+
+/// Columns of which a call fetches the rows of a later call.
+pub(crate) const AHEAD: usize = 2;
 
 /// A row law with its loop.
 pub(crate) trait RowKernel<P>: Send + Sync {
@@ -55,7 +64,13 @@ const fn gives_rates(signature: &Signature) -> bool {
 impl<P: Scalar, F: RowFamily> RowKernel<P> for F {
     unsafe fn run(&self, isa: Isa, call: &RowCall<'_, P>) {
         if const { !gives_rates(&F::SIGNATURE) } {
-            return run::<P, F, StoreAll>(self, isa, call);
+            return match call.first {
+                true => run::<P, F, StoreFirst>(self, isa, call),
+                false => run::<P, F, StoreAll>(self, isa, call),
+            };
+        }
+        if call.drift.is_some() {
+            return run::<P, F, KickDrift>(self, isa, call);
         }
         match (call.part, call.advance.is_some()) {
             (Part::All, false) => run::<P, F, StoreAll>(self, isa, call),
@@ -116,12 +131,20 @@ struct Task<'a, P, F, Rule, const UNIFORM: bool> {
 
 impl<P: Scalar, F: RowFamily, Rule: RateRule, const UNIFORM: bool> Task<'_, P, F, Rule, UNIFORM> {
     #[inline(always)]
-    fn step<R: Lanes<P>>(law: &F::Kernel<R>, slots: &Slots<P>, row: usize, step: R) {
+    fn step<R: Lanes<P>>(law: &F::Kernel<R>, slots: &Slots<P>, row: usize, [step, drift]: [R; 2]) {
+        Self::part::<R, Rule>(law, slots, row, step);
+        if Rule::DRIFT {
+            Self::part::<R, AdvanceCoordinates>(law, slots, row, drift);
+        }
+    }
+
+    #[inline(always)]
+    fn part<R: Lanes<P>, Part: RateRule>(law: &F::Kernel<R>, slots: &Slots<P>, row: usize, step: R) {
         // SAFETY: `RowKernel::run` was promised the rows; all loads of a row come before its stores.
-        let source = unsafe { Masked::<P, F, Rule, UNIFORM>::new(slots, row) };
+        let source = unsafe { Masked::<P, F, Part, UNIFORM>::new(slots, row) };
         let output = law.row(<F::Kernel<R> as Declared<R>>::load(&source));
         // SAFETY: as above.
-        let mut sink = unsafe { RowsMut::<P, R, Rule>::new(slots, row, step) };
+        let mut sink = unsafe { RowsMut::<P, R, Part>::new(slots, row, step) };
         <F::Kernel<R> as Declared<R>>::store(output, &mut sink);
     }
 }
@@ -135,19 +158,23 @@ impl<P: Scalar, F: RowFamily, Rule: RateRule, const UNIFORM: bool> WithLanes<P> 
             let fields = if UNIFORM { fields::<F>() } else { 0 };
             Slots::copied(self.call.slots, count::<F>(), constants::<F>() | fields, self.call.uniform)
         };
-        let (rows, step) = (self.call.rows, self.call.advance.unwrap_or_default());
+        let rows = self.call.rows;
+        let steps = [self.call.advance, self.call.drift].map(Option::unwrap_or_default);
         let mut row = 0;
-        if R::WIDTH > 1 && rows >= R::WIDTH {
+        let wide = rows - rows % R::WIDTH;
+        if R::WIDTH > 1 && wide > 0 {
             let law = self.law.kernel::<R>();
-            let step = R::splat(step);
-            while row + R::WIDTH <= rows {
-                Self::step::<R>(&law, &slots, row, step);
+            let steps = steps.map(R::splat);
+            let ahead = self.call.ahead;
+            while row != wide {
+                ahead.iter().for_each(|from| prefetch(from.wrapping_add(row)));
+                Self::step::<R>(&law, &slots, row, steps);
                 row += R::WIDTH;
             }
         }
         let law = self.law.kernel::<P>();
         while row < rows {
-            Self::step::<P>(&law, &slots, row, step);
+            Self::step::<P>(&law, &slots, row, steps);
             row += 1;
         }
     }

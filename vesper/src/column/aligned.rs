@@ -1,13 +1,16 @@
-//! Memory of one component of an owned column: aligned to the cache line, and staggered, so that the streams of a law
-//! that reads ten columns do not meet in the same sets of the cache.
+//! Memory of one component of an owned column: aligned to the cache line, and staggered, so that blocks of the ten
+//! columns that a law reads spread over all sets of the cache.
 
 use core::alloc::Layout;
 use core::ptr::NonNull;
 use std::alloc::{alloc_zeroed, dealloc, handle_alloc_error};
 
 const CACHE_LINE: usize = 64;
-/// Columns start at one of this many different cache lines within a page.
-const STAGGER: usize = 16;
+/// Lines from one address to the next one with the same set of the first cache: a page, on the machines that matter.
+const SETS: usize = 64;
+/// From one stream's first set to the next one's: by the golden ratio, any few neighbours lie far apart. With starts in
+/// one eighth of the sets, blocks of half a page of ten columns evicted each other.
+const STAGGER: usize = 39;
 
 /// Numbers at an aligned address that only changes in [`Aligned::resize`].
 ///
@@ -16,7 +19,9 @@ pub(crate) struct Aligned<P> {
     start: NonNull<P>,
     len: usize,
     capacity: usize,
+    /// Numbers before the first one.
     lead: usize,
+    stream: usize,
 }
 
 // SAFETY: it owns its memory; `P` is a plain number.
@@ -27,33 +32,38 @@ unsafe impl<P: Sync> Sync for Aligned<P> {}
 impl<P: Copy + Default> Aligned<P> {
     /// `len` zeros. `stream` is the number of the component among those that are read together.
     pub(crate) fn zeros(len: usize, stream: usize) -> Self {
-        let lead = (stream % STAGGER) * CACHE_LINE / size_of::<P>();
-        let mut numbers = Aligned { start: NonNull::dangling(), len: 0, capacity: 0, lead };
+        let mut numbers = Aligned { start: NonNull::dangling(), len: 0, capacity: 0, lead: 0, stream };
         numbers.resize(len);
         numbers
     }
 
-    fn layout(&self, capacity: usize) -> Layout {
-        let bytes = (capacity + self.lead).saturating_mul(size_of::<P>());
+    fn layout(numbers: usize) -> Layout {
+        let bytes = numbers.saturating_mul(size_of::<P>());
         // A request beyond the address space cannot be met by any allocator: report it as out of memory.
         Layout::from_size_align(bytes, CACHE_LINE).unwrap_or_else(|_| handle_alloc_error(Layout::new::<P>()))
+    }
+
+    /// Numbers to leave before the first one. Columns within a page lie anywhere in it as they are.
+    fn lead(&self, capacity: usize) -> usize {
+        let line = CACHE_LINE / size_of::<P>();
+        if capacity < SETS * line { 0 } else { self.stream * STAGGER % SETS * line }
     }
 
     /// Keeps the first numbers, adds zeros.
     pub(crate) fn resize(&mut self, len: usize) {
         if len > self.capacity {
             let capacity = len.max(self.capacity * 2);
-            let layout = self.layout(capacity);
+            let lead = self.lead(capacity);
+            let layout = Self::layout(capacity.saturating_add(lead));
             // SAFETY: the layout is not empty, because `len > 0`.
             let raw = unsafe { alloc_zeroed(layout) };
             let Some(base) = NonNull::new(raw.cast::<P>()) else { handle_alloc_error(layout) };
             // SAFETY: the block has `lead + capacity` numbers.
-            let start = unsafe { base.add(self.lead) };
+            let start = unsafe { base.add(lead) };
             // SAFETY: both hold `len` numbers and are different blocks.
             unsafe { start.copy_from_nonoverlapping(self.start, self.len) };
             self.free();
-            self.start = start;
-            self.capacity = capacity;
+            (self.start, self.capacity, self.lead) = (start, capacity, lead);
         } else if len > self.len {
             let from = self.len;
             self.len = len;
@@ -100,7 +110,7 @@ impl<P> Drop for Aligned<P> {
 
 impl<P: Copy + Default> Clone for Aligned<P> {
     fn clone(&self) -> Self {
-        let mut copy = Aligned { start: NonNull::dangling(), len: 0, capacity: 0, lead: self.lead };
+        let mut copy = Aligned { start: NonNull::dangling(), len: 0, capacity: 0, lead: 0, stream: self.stream };
         copy.resize(self.len);
         copy.as_mut_slice().copy_from_slice(self.as_slice());
         copy

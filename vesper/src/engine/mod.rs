@@ -182,7 +182,7 @@ impl<P: Scalar> Engine<P> {
         }
         self.steps = steps;
         self.evaluations += evaluations;
-        blow_up::check(&self.pipeline, &self.state, self.steps, self.time())
+        blow_up::check(&self.pipeline, &self.state, self.machine.isa, self.steps, self.time())
     }
 
     /// Follows what the client changed since the last step.

@@ -10,6 +10,7 @@ mod layout;
 pub use layout::{Layout, List};
 
 use super::bind::Binder;
+use super::merge::NOTHING;
 use super::plan::{Op, Operand, Placed};
 use crate::backend::{Compile, Compiled, row_of};
 use crate::law::{Law, Mode, Part, Shape, Sink, Source, Stepped};
@@ -207,10 +208,9 @@ impl<P: Scalar> FusedChain<P> {
     pub(super) fn fixed(&self, operands: &[(Operand, bool)], uniform: u64) -> Fixed {
         let mask = |holds: &dyn Fn(usize) -> bool| (0..self.slots()).map(|k| u64::from(holds(k)) << k).sum::<u64>();
         let present = mask(&|k| operands[k].0 != Operand::Absent);
-        let constants = mask(&|k| matches!(self.layout.kinds[k], Register::Constant | Register::OptionalConstant));
         let plain = self.layout.is_plain(present, uniform);
         let uniform = uniform | mask(&|k| operands[k].0 == Operand::Absent);
-        Fixed { present, uniform, numbers: constants | uniform, plain }
+        Fixed { present, uniform, plain }
     }
 
     /// The law that times of the loop are noted for: the last one.
@@ -278,8 +278,6 @@ pub(crate) struct Fixed {
     present: u64,
     /// Those that are the same in all rows: uniform fields, and what is absent.
     uniform: u64,
-    /// Those that are one number.
-    numbers: u64,
     /// As [`Layout::is_plain`] says.
     plain: bool,
 }
@@ -334,55 +332,64 @@ struct Loop<'a, P, T, const DRIFT: bool, const PLAIN: bool> {
 }
 
 /// What the loop works on, copied where no store of the loop can be thought to change it.
-struct Work<P> {
+struct Work<P, R> {
     pointers: [*mut P; REGISTERS],
-    /// The numbers of constants and uniform fields.
-    numbers: [P; REGISTERS],
+    /// Constants and uniform fields.
+    numbers: [R; REGISTERS],
     present: u64,
     uniform: u64,
-    kick: P,
-    drift: P,
+    kick: R,
+    drift: R,
 }
 
-impl<P: Scalar> Work<P> {
-    /// `zeros` stand for what is absent, so that the loop need not ask.
+impl<P: Scalar, R: Lanes<P>> Work<P, R> {
+    /// `absent` stands for what is absent, so that the loop need not ask: first what sums begin from, then zeros.
+    ///
+    /// # Safety
+    /// The pointers are as [`ChainCall`] says.
     #[inline(always)]
-    fn new(call: &ChainCall<'_, P>, count: usize, zeros: &mut [P; MAX_WIDTH]) -> Self {
-        let Fixed { present, uniform, numbers, .. } = call.fixed;
+    unsafe fn new<T: Chained, const PLAIN: bool>(call: &ChainCall<'_, P>, absent: &mut [[P; MAX_WIDTH]; 2]) -> Self {
+        let layout = const { &T::LAYOUT };
+        let slots = &call.slots[..layout.count];
+        let [nothing, zeros] = absent;
+        nothing.fill(P::from_f64(NOTHING));
         let mut work = Work {
             pointers: [zeros.as_mut_ptr(); REGISTERS],
-            numbers: [P::default(); REGISTERS],
-            present,
-            uniform,
-            kick: call.kick.unwrap_or_default(),
-            drift: call.drift.unwrap_or_default(),
+            numbers: [R::lit(0.0); REGISTERS],
+            present: call.fixed.present,
+            uniform: call.fixed.uniform,
+            kick: R::splat(call.kick.unwrap_or_default()),
+            drift: R::splat(call.drift.unwrap_or_default()),
         };
-        for (register, &slot) in call.slots[..count].iter().enumerate() {
-            if !slot.is_null() {
-                work.pointers[register] = slot;
+        each_register!(|register| if register < layout.count {
+            let kind = layout.kinds[register];
+            work.pointers[register] = match kind {
+                _ if !slots[register].is_null() => slots[register],
+                Register::Sum => nothing.as_mut_ptr(),
+                _ => zeros.as_mut_ptr(),
+            };
+            let is_number = matches!(kind, Register::Constant | Register::OptionalConstant);
+            if is_number || PLAIN && kind == Register::Field {
+                // SAFETY: it points to a number, as the caller promises, or to zeros.
+                work.numbers[register] = R::splat(unsafe { *work.pointers[register] });
             }
-            if numbers >> register & 1 == 1 {
-                // SAFETY: it points to the number, or to zeros.
-                work.numbers[register] = unsafe { *work.pointers[register] };
-            }
-        }
+        });
         work
     }
 }
 
 impl<P: Scalar, T: Chained, const DRIFT: bool, const PLAIN: bool> Loop<'_, P, T, DRIFT, PLAIN> {
     #[inline(always)]
-    fn load<R: Lanes<P>>(work: &Work<P>, register: usize, row: usize) -> R {
+    fn load<R: Lanes<P>>(work: &Work<P, R>, register: usize, row: usize) -> R {
         let from = work.pointers[register];
-        let number = || R::splat(work.numbers[register]);
         // SAFETY: `FusedChain::run` was promised the rows; the same for all blocks here.
         unsafe {
             match const { &T::LAYOUT }.kinds[register] {
                 Register::Given => R::load(from.add(row)),
-                Register::Constant => number(),
-                Register::Field if PLAIN => number(),
-                Register::Optional | Register::OptionalConstant | Register::Sum if PLAIN => R::lit(0.0),
-                Register::OptionalConstant => number(),
+                Register::Field if PLAIN => work.numbers[register],
+                Register::Sum if PLAIN => R::lit(NOTHING),
+                Register::Optional | Register::OptionalConstant if PLAIN => R::lit(0.0),
+                Register::Constant | Register::OptionalConstant => work.numbers[register],
                 Register::Optional | Register::Field | Register::Sum => {
                     R::load(from.add(row_of(row, work.uniform, register)))
                 }
@@ -392,7 +399,7 @@ impl<P: Scalar, T: Chained, const DRIFT: bool, const PLAIN: bool> Loop<'_, P, T,
     }
 
     #[inline(always)]
-    fn rows<R: Lanes<P>>(work: &Work<P>, bodies: &T::Bodies<R>, row: usize) {
+    fn rows<R: Lanes<P>>(work: &Work<P, R>, bodies: &T::Bodies<R>, row: usize) {
         let zero = R::lit(0.0);
         let layout = const { &T::LAYOUT };
         let always = if PLAIN { const { T::LAYOUT.present(true) } } else { work.present };
@@ -403,7 +410,7 @@ impl<P: Scalar, T: Chained, const DRIFT: bool, const PLAIN: bool> Loop<'_, P, T,
         });
         T::steps::<T, R, Kick>(bodies, &mut file);
         each_register!(|register| if layout.kicked[register] {
-            file.values[register] += file.rates[register] * R::splat(work.kick);
+            file.values[register] += file.rates[register] * work.kick;
             // SAFETY: see above.
             unsafe { file.values[register].store(work.pointers[register].add(row)) };
         });
@@ -415,7 +422,7 @@ impl<P: Scalar, T: Chained, const DRIFT: bool, const PLAIN: bool> Loop<'_, P, T,
         });
         T::steps::<T, R, Drift>(bodies, &mut file);
         each_register!(|register| if layout.drifted[register] {
-            let value = file.values[register] + file.rates[register] * R::splat(work.drift);
+            let value = file.values[register] + file.rates[register] * work.drift;
             // SAFETY: see above.
             unsafe { value.store(work.pointers[register].add(row)) };
         });
@@ -426,21 +433,26 @@ impl<P: Scalar, T: Chained, const DRIFT: bool, const PLAIN: bool> WithLanes<P> f
     type Output = ();
     #[inline(always)]
     fn with<R: Lanes<P>>(self) {
-        let mut zeros = [P::default(); MAX_WIDTH];
-        let work = Work::new(self.call, const { T::LAYOUT.count }, &mut zeros);
+        let mut absent = [[P::default(); MAX_WIDTH]; 2];
         let rows = self.call.rows;
         let mut row = 0;
-        if R::WIDTH > 1 && rows >= R::WIDTH {
+        let wide = rows - rows % R::WIDTH;
+        if R::WIDTH > 1 && wide > 0 {
             let bodies = self.laws.bodies::<R>();
-            while row + R::WIDTH <= rows {
+            // SAFETY: `ChainRun::run` was promised the pointers.
+            let work = unsafe { Work::<P, R>::new::<T, PLAIN>(self.call, &mut absent) };
+            while row != wide {
                 Self::rows::<R>(&work, &bodies, row);
                 row += R::WIDTH;
             }
         }
-        let bodies = self.laws.bodies::<P>();
-        while row < rows {
-            Self::rows::<P>(&work, &bodies, row);
-            row += 1;
+        if row < rows {
+            let bodies = self.laws.bodies::<P>();
+            // SAFETY: as above.
+            let work = unsafe { Work::<P, P>::new::<T, PLAIN>(self.call, &mut absent) };
+            for row in row..rows {
+                Self::rows::<P>(&work, &bodies, row);
+            }
         }
     }
 }

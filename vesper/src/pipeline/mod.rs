@@ -12,8 +12,10 @@ mod chain;
 mod dot;
 mod explain;
 mod group;
+mod merge;
 mod plan;
 mod run;
+
 mod vectors;
 
 pub(crate) use bind::{Program, program};

@@ -91,7 +91,9 @@ pub(crate) enum Op {
     /// A field is sampled at the place of every row.
     Sample { field: usize },
     /// A law runs. `advance`: the stage whose step its rates advance the states by, at once.
-    Law { seat: usize, part: Part, advance: Option<usize>, energy: bool },
+    /// `drift`: the stage of the coordinates, where the same loop advances them after the momenta. `first`: its shares
+    /// are stored, since the sums that it adds to begin with it.
+    Law { seat: usize, part: Part, advance: Option<usize>, drift: Option<usize>, energy: bool, first: bool },
     /// States advance by stored rates.
     Axpy { stage: usize },
     /// Shares that are held begin from zero again.
@@ -142,6 +144,10 @@ pub(crate) fn plan<P: Scalar>(key: Key, pipeline: &Pipeline<P>) -> Plan {
             Some(pass) if joins => pass.push(op),
             _ => passes.push(vec![op]),
         }
+    }
+    // What is looked at begins from a plain zero.
+    if key != Key::Observe {
+        passes.iter_mut().for_each(|pass| super::merge::begin_with_laws(pass, pipeline));
     }
     Plan { key, passes }
 }
@@ -348,7 +354,7 @@ impl<P: Scalar> Stage<'_, P> {
             }
         }
         let placed = Placed {
-            op: Op::Law { seat: index, part, advance, energy },
+            op: Op::Law { seat: index, part, advance, drift: None, energy, first: false },
             domain: seat.domain,
             rows: seat.rows.clone(),
             row_local: entry.shape == Shape::Row && !held && !energy,
