@@ -147,8 +147,10 @@ pub enum Fault {
     LawDomain { law: String, domain: String, nearest: Option<String> },
     #[error("{law} can stand on {}: say on which, `.on(\"{}\")`", domains.join(" or "), domains[0])]
     WhichDomain { law: String, domains: Vec<String> },
-    #[error("{law} is given twice on domain {domain}: keep one, or give each a label, `.label(\"...\")`")]
+    #[error("{law} is given twice on domain {domain}: keep one, or give each a label of its own, `.label(\"...\")`")]
     LawTwice { law: String, domain: String },
+    #[error("{law} declares two outputs of {property}: keep one")]
+    OutputTwice { law: String, property: String },
     #[error("{law} and {other} both set {property}: keep one; several laws may add, one may set")]
     TwoSet { law: String, other: String, property: String },
     #[error("{law} and {other} both give the rate of {property}: keep one")]
@@ -193,10 +195,12 @@ pub enum Fault {
     EveryOutput { law: String, every: u32, does: String, property: String },
     #[error("{law}: parameter {parameter} is {value}: give a finite number")]
     ParameterNotFinite { law: String, parameter: String, value: f64 },
-    #[error("{what} is {value} s: give a time above 0")]
-    Step { what: String, value: f64 },
-    #[error("threads is 0: give at least 1, or leave it out for all cores")]
-    Threads,
+    #[error("{what} is {value:?} s: give {allowed}")]
+    Step { what: String, value: f64, allowed: &'static str },
+    #[error("a frame of {frame:e} s in steps of {step:e} s is more steps than can be counted: take longer steps")]
+    TooManySteps { frame: f64, step: f64 },
+    #[error("threads is {given}: give 1 to {most}, or leave it out for all cores")]
+    Threads { given: usize, most: usize },
     #[error("the thread pool cannot start: {reason}")]
     ThreadPool { reason: String },
     #[error(
@@ -209,10 +213,24 @@ pub enum Fault {
     Borrowed { domain: String, property: String },
     #[error("{domain}.{property} is the client's own memory, which cannot {cannot}: {mend}")]
     ClientMemory { domain: String, property: String, cannot: String, mend: String },
-    #[error("at step {step} (time {time} s) {domain}.{property} of row {row} became {value}; {first}")]
-    BlowUp { step: u64, time: f64, domain: String, property: String, row: usize, value: f64, first: String },
+    #[error("{place} {domain}.{property} of row {row} is {value}; {first}", place = blown_up(*traced, *step, *time))]
+    BlowUp {
+        traced: bool,
+        step: u64,
+        time: f64,
+        domain: String,
+        property: String,
+        row: usize,
+        value: f64,
+        first: String,
+    },
     #[error("the checkpoint does not fit: {reason}")]
     Checkpoint { reason: String },
+}
+
+fn blown_up(traced: bool, step: u64, time: f64) -> String {
+    let (place, end) = if traced { ("at", "") } else { ("somewhere up to", ", the end of the frame") };
+    format!("{place} step {step} (time {time:?} s{end})")
 }
 
 fn hint(nearest: &Option<String>, otherwise: &str) -> String {

@@ -76,7 +76,7 @@ fn lent_memory_vectors_and_raw() {
     position.write()[3][1] += 0.5;
     engine.state_mut();
     engine.advance(0.01).unwrap();
-    let saved = engine.checkpoint();
+    let saved = engine.checkpoint().unwrap();
     engine.advance(0.01).unwrap();
     engine.restore(&saved).unwrap();
     engine.advance(0.01).unwrap();

@@ -92,8 +92,10 @@ pub(super) fn placed(scene: &Scene, fault: &Fault) -> (Option<Span>, String, Opt
             (column(scene, domain, property), text, None)
         }
         Fault::Integrator { .. } => (integrator(scene), text, None),
-        Fault::Step { .. } => (scene.engine.step.as_ref().map(|step| step.span), text, None),
-        Fault::Threads | Fault::ThreadPool { .. } => {
+        Fault::Step { .. } | Fault::TooManySteps { .. } => {
+            (scene.engine.step.as_ref().map(|step| step.span), text, None)
+        }
+        Fault::Threads { .. } | Fault::ThreadPool { .. } => {
             (scene.engine.threads.as_ref().map(|threads| threads.span), text, None)
         }
         Fault::NoParallel => (scene.engine.backend.as_ref().map(|backend| backend.span), text, None),

@@ -125,7 +125,7 @@ impl Way<'_> {
                 show(engine).map_err(|text| vec![self.scene.fault_of_file(text)])?;
             }
         }
-        outcome.checkpoint = Some(engine.checkpoint());
+        outcome.checkpoint = Some(engine.checkpoint().map_err(|faults| self.broken(&faults))?);
         if rest > 0.0 {
             // From where the engine says it is, so that its clock comes to the end itself.
             drive.to(engine, last + 1, course.end - engine.time()).map_err(|faults| self.broken(&faults))?;
@@ -194,7 +194,8 @@ impl<P: CatalogPrecision> Aside<'_, P> {
             None => switched_off(self.scene, &self.off)?,
         };
         let broken = |faults: Faults| assemble::run_faults(self.scene, &faults);
-        engine.restore(&main.checkpoint()).map_err(broken)?;
+        let saved = main.checkpoint().map_err(broken)?;
+        engine.restore(&saved).map_err(broken)?;
         engine.steps_of(1, target.time - main.time()).map_err(broken)?;
         let distance = target.distance(engine.state(), domain);
         self.engine = Some(engine);

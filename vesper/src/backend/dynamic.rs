@@ -56,8 +56,8 @@ impl Closure {
                 let at = if port.place == Place::Scene || uniform { 0 } else { row };
                 let width = port.property.kind.width();
                 for (number, from) in numbers[*slot..][..width].iter_mut().zip(&call.slots[*slot..]) {
-                    // SAFETY: the caller promises the rows.
-                    *number = unsafe { (*from.add(at)).to_f64() };
+                    // SAFETY: the caller promises the rows; what no wanted rate depends on has no place.
+                    *number = if from.is_null() { 0.0 } else { unsafe { (*from.add(at)).to_f64() } };
                 }
             }
             numbers[inputs..all].fill(0.0);

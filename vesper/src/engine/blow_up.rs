@@ -2,47 +2,62 @@
 //! that made one.
 
 use super::{Engine, with_runner};
-use crate::column::Storage;
+use crate::column::{Aligned, Column, Storage};
 use crate::error::{Fault, Faults};
 use crate::integrate::{Part, System};
+use crate::law::Shape;
 use crate::pipeline::{Pipeline, Watch};
 use crate::real::{Isa, Lanes, Scalar, WithLanes, prefetch};
 use crate::state::State;
 use std::sync::Arc;
 
-/// Looks through every state that laws move.
+/// Looks through every state that laws move. `at`: the step and the time that the state is of.
 pub(super) fn check<P: Scalar>(
     pipeline: &Pipeline<P>,
     state: &State<P>,
     isa: Isa,
-    step: u64,
-    time: f64,
+    (step, time): (u64, f64),
 ) -> Result<(), Faults> {
     let mut faults = Vec::new();
     for moved in &pipeline.vectors.states {
         let known = &pipeline.registry.quantities[moved.quantity];
         let domain = &state.domains()[known.domain];
         let Some(column) = domain.find(known.info.name).map(|at| &domain.columns[at]) else { continue };
-        let clean = match &column.storage {
-            Storage::Split(components) => {
-                components.iter().all(|numbers| P::with_lanes(isa, AllFinite(numbers.as_slice())))
-            }
-            Storage::Lent(_) | Storage::Link { .. } => false,
-        };
-        let bad = if clean { None } else { first_bad(column, known.info.kind.width()) };
-        let Some((index, value)) = bad else { continue };
+        let Some((index, value)) = first_bad(column, known.info.kind.width(), isa) else { continue };
         let row = column.subset().map_or(index, |rows| rows[index] as usize);
         faults.push(Fault::BlowUp {
+            traced: false,
             step,
             time,
             domain: domain.name.clone(),
             property: known.info.name.to_owned(),
             row,
             value,
-            first: pipeline.drivers(moved.quantity),
+            first: format!("{}; trace_blow_ups(true) finds the step and the law", pipeline.drivers(moved.quantity)),
         });
     }
     Faults::unless_empty(faults, ())
+}
+
+/// The first value of a column that is not finite.
+fn first_bad<P: Scalar>(column: &Column<P>, width: usize, isa: Isa) -> Option<(usize, f64)> {
+    let bad = |numbers: &[P]| -> Option<(usize, f64)> {
+        if P::with_lanes(isa, AllFinite(numbers)) {
+            return None;
+        }
+        numbers.iter().position(|number| !number.is_finite()).map(|at| (at, numbers[at].to_f64()))
+    };
+    match &column.storage {
+        Storage::Split(components) => {
+            components.iter().filter_map(|numbers| bad(numbers.as_slice())).min_by_key(|(row, _)| *row)
+        }
+        Storage::Lent(memory) => {
+            let mut found = None;
+            memory.look(&mut |numbers| found = bad(numbers).map(|(at, value)| (at / width, value)));
+            found
+        }
+        Storage::Link { .. } => None,
+    }
 }
 
 /// Looks for a number that is none: `x - x` is 0 for every finite number, and sums of zeros tell in one pass without
@@ -76,35 +91,61 @@ impl<P: Scalar> WithLanes<P> for AllFinite<'_, P> {
 /// Bytes between what is looked at and what is asked for: about what memory needs to answer.
 const AHEAD: usize = 1536;
 
-fn first_bad<P: Scalar>(column: &crate::column::Column<P>, width: usize) -> Option<(usize, f64)> {
-    (0..column.len() * width)
-        .map(|k| (k / width, column.number(k / width, k % width).to_f64()))
-        .find(|(_, value)| !value.is_finite())
+/// Everything that steps change, as it was.
+#[derive(Debug)]
+pub(super) struct Kept<P> {
+    /// The numbers of every state that laws move.
+    states: Vec<Vec<P>>,
+    /// Shares of laws that are not evaluated on every step, and results that laws look back at.
+    others: Vec<Vec<P>>,
+    filled: Vec<bool>,
 }
 
-/// The numbers of every state that laws move, one list for each.
-pub(super) type Kept<P> = Vec<Vec<P>>;
+impl<P> Default for Kept<P> {
+    fn default() -> Self {
+        Kept { states: Vec::new(), others: Vec::new(), filled: Vec::new() }
+    }
+}
+
+/// Results that outlive a step, besides states.
+fn others<'a, P: Scalar>(
+    pipeline: &'a mut Pipeline<P>,
+    state: &'a mut State<P>,
+) -> impl Iterator<Item = &'a mut Aligned<P>> {
+    let held = pipeline.vectors.held.iter_mut().flat_map(|(_, shares)| shares.iter_mut().map(|(_, share)| share));
+    let previous = state.domains.iter_mut().flat_map(|domain| &mut domain.previous);
+    held.chain(previous.flat_map(|column| match &mut column.storage {
+        Storage::Split(components) => components.as_mut_slice(),
+        Storage::Lent(_) | Storage::Link { .. } => &mut [],
+    }))
+}
 
 impl<P: Scalar> Engine<P> {
     /// Keeps the state as it is.
-    pub(super) fn keep(&mut self) {
-        let Some(kept) = &mut self.kept else { return };
+    pub(super) fn keep(&mut self) -> Result<(), Faults> {
+        let Some(kept) = &mut self.kept else { return Ok(()) };
         let moved = &self.pipeline.vectors.states;
-        kept.resize_with(moved.len(), Vec::new);
-        for (numbers, moved) in kept.iter_mut().zip(moved) {
+        kept.states.resize_with(moved.len(), Vec::new);
+        for (numbers, moved) in kept.states.iter_mut().zip(moved) {
             let known = &self.pipeline.registry.quantities[moved.quantity];
             let domain = &self.state.domains[known.domain];
             let width = known.info.kind.width();
             numbers.clear();
             if let Some(column) = domain.find(known.info.name).map(|at| &domain.columns[at]) {
+                column.free(&domain.name, false)?;
                 numbers.extend((0..column.len() * width).map(|k| column.number(k / width, k % width)));
             }
         }
+        kept.filled.clone_from(&self.pipeline.vectors.filled);
+        kept.others.clear();
+        kept.others.extend(others(&mut self.pipeline, &mut self.state).map(|numbers| numbers.as_slice().to_vec()));
+        Ok(())
     }
 
     /// Takes the state back to what was kept.
     fn go_back(&mut self, steps: u64) {
-        for (numbers, moved) in self.kept.iter().flatten().zip(&self.pipeline.vectors.states) {
+        let Some(kept) = &self.kept else { return };
+        for (numbers, moved) in kept.states.iter().zip(&self.pipeline.vectors.states) {
             let known = &self.pipeline.registry.quantities[moved.quantity];
             let domain = &mut self.state.domains[known.domain];
             let width = known.info.kind.width();
@@ -114,6 +155,10 @@ impl<P: Scalar> Engine<P> {
                 }
             }
         }
+        for (to, from) in others(&mut self.pipeline, &mut self.state).zip(&kept.others) {
+            to.as_mut_slice().copy_from_slice(from);
+        }
+        self.pipeline.vectors.filled.clone_from(&kept.filled);
         self.steps = steps;
         let time = P::from_f64(self.time());
         self.state.set_time(time);
@@ -127,34 +172,34 @@ impl<P: Scalar> Engine<P> {
         }
         let last = self.steps;
         self.go_back(first);
+        if let Err(found) = check(&self.pipeline, &self.state, self.machine.isa, (first, self.time())) {
+            return reworded(found, |_| "it was so before the step: the client set it, or lent it".to_owned());
+        }
         while self.steps < last {
-            self.keep();
+            if let Err(borrowed) = self.keep() {
+                return borrowed;
+            }
             let before = self.steps;
             let Err(found) = self.take(1, step) else { continue };
             self.go_back(before);
             let law = self.first_law();
-            let renamed = found.iter().cloned().map(|fault| match (fault, &law) {
-                (Fault::BlowUp { step, time, domain, property, row, value, .. }, Some(law)) => {
-                    let first =
-                        format!("{law} is the first law whose result is not finite; the state is that before the step");
-                    Fault::BlowUp { step, time, domain, property, row, value, first }
+            return reworded(found, |drivers| match &law {
+                Some((law, hint)) => {
+                    format!(
+                        "{law} is the first law whose result is not finite{hint}; the state is that before the step"
+                    )
                 }
-                (Fault::BlowUp { step: number, time, domain, property, row, value, first }, None) => {
-                    let first = format!(
-                        "all laws are finite at the start of the step, so {step} s is too long for it: {first}; \
-                         the state is that before the step"
-                    );
-                    Fault::BlowUp { step: number, time, domain, property, row, value, first }
-                }
-                (other, _) => other,
+                None => format!(
+                    "all laws are finite at the start of the step, so {step:?} s is too long for it: {drivers}; the state is \
+                     that before the step"
+                ),
             });
-            return Faults::unless_empty(renamed.collect(), ()).err().unwrap_or(found);
         }
         faults
     }
 
-    /// The first law whose result is not finite at the state as it is.
-    fn first_law(&mut self) -> Option<String> {
+    /// The first law whose result is not finite at the state as it is, and what that is often due to.
+    fn first_law(&mut self) -> Option<(String, &'static str)> {
         let watch = Arc::new(Watch::default());
         let (time, step) = (self.time(), self.steps);
         let shared = (self.laws.as_slice(), self.chains.as_slice(), &self.machine);
@@ -163,6 +208,24 @@ impl<P: Scalar> Engine<P> {
             runner.evaluate(Part::All);
         })
         .ok()?;
-        watch.law().map(|law| self.laws[law].entry.label().to_owned())
+        let entry = &self.laws[watch.law()?].entry;
+        let hint = match entry.shape {
+            Shape::Pair | Shape::Link => " (are two rows at one place?)",
+            Shape::Row | Shape::Column => "",
+        };
+        Some((entry.label().to_owned(), hint))
     }
+}
+
+/// Traced faults, with what is known now; it is given what the fault said of the laws.
+fn reworded(faults: Faults, word: impl Fn(&str) -> String) -> Faults {
+    let mut all: Vec<Fault> = faults.iter().cloned().collect();
+    for fault in &mut all {
+        if let Fault::BlowUp { traced, first, .. } = fault {
+            *traced = true;
+            let drivers = first.split(';').next().unwrap_or_default();
+            *first = word(drivers);
+        }
+    }
+    Faults::unless_empty(all, ()).err().unwrap_or(faults)
 }

@@ -297,7 +297,7 @@ impl<P: Scalar> Builder<P> {
     pub fn build(mut self) -> Result<Engine<P>, Faults> {
         let mut faults = Vec::new();
         if let Some(step) = self.step.filter(|step| !(*step > 0.0 && step.is_finite())) {
-            faults.push(Fault::Step { what: "the step".to_owned(), value: step });
+            faults.push(Fault::Step { what: "the step".to_owned(), value: step, allowed: "a finite time above 0" });
         }
         for law in &mut self.laws {
             if law.entry.options.backend == Backend::Auto {
@@ -335,7 +335,7 @@ impl<P: Scalar> Builder<P> {
         };
         log_changes(&Report::default(), &pipeline.registry.report);
         let time = state.time().to_f64();
-        Ok(Engine {
+        let mut engine = Engine {
             state,
             laws: self.laws,
             chains: self.chains,
@@ -352,8 +352,11 @@ impl<P: Scalar> Builder<P> {
             touched: false,
             stale: false,
             quiet: f64::NAN,
+            lent_changes: Some(0),
             kept: None,
-        })
+        };
+        engine.observe()?;
+        Ok(engine)
     }
 }
 
@@ -363,15 +366,18 @@ pub(super) fn no_law<P: Scalar>(name: &str, laws: &[Listed<P>]) -> Fault {
     Fault::NoLaw { law: name.to_owned(), nearest: nearest(name, labels) }
 }
 
+/// Threads that a pool may have: to start more takes seconds, and no machine has as many cores.
+const MOST_THREADS: usize = 1024;
+
 fn machine(threads: Option<usize>, isa: Option<Isa>, faults: &mut Vec<Fault>) -> Machine {
     let isa = isa.unwrap_or_else(Isa::detect);
-    if threads == Some(0) {
-        faults.push(Fault::Threads);
+    if let Some(given) = threads.filter(|given| !(1..=MOST_THREADS).contains(given)) {
+        faults.push(Fault::Threads { given, most: MOST_THREADS });
     }
     #[cfg(feature = "parallel")]
     {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-        let pool = threads.filter(|count| *count > 0).and_then(|count| {
+        let pool = threads.filter(|count| (1..=MOST_THREADS).contains(count)).and_then(|count| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
             pool.map_err(|error| faults.push(Fault::ThreadPool { reason: error.to_string() })).ok()
         });

@@ -4,9 +4,7 @@ use super::{Clock, Engine};
 use crate::column::{Aligned, Column, Storage};
 use crate::domain::SCENE;
 use crate::error::{Fault, Faults};
-use crate::law::Mode;
 use crate::real::Scalar;
-use crate::registry::Tie;
 use crate::state::State;
 
 /// Everything that decides how a run goes on, as plain data; whoever saves it chooses the format.
@@ -66,10 +64,16 @@ pub struct ColumnData {
 
 impl<P: Scalar> Engine<P> {
     /// Everything that decides how the run goes on.
-    pub fn checkpoint(&self) -> Checkpoint {
+    ///
+    /// # Errors
+    /// The client is changing memory that it lends.
+    pub fn checkpoint(&self) -> Result<Checkpoint, Faults> {
+        for domain in self.state.domains() {
+            domain.columns().iter().try_for_each(|column| column.free(&domain.name, false))?;
+        }
         let vectors = &self.pipeline.vectors;
         let numbers = |array: &Aligned<P>| array.as_slice().iter().map(|number| number.to_f64()).collect();
-        Checkpoint {
+        Ok(Checkpoint {
             precision: P::NAME.to_owned(),
             integrator: self.integrator.name().to_owned(),
             time: self.time(),
@@ -86,7 +90,7 @@ impl<P: Scalar> Engine<P> {
                 .map(|(_, shares)| shares.iter().map(|(_, share)| numbers(share)).collect())
                 .collect(),
             filled: vectors.filled.clone(),
-        }
+        })
     }
 
     /// Goes on from a checkpoint of an engine with the same domains, properties, laws, integrator and precision; rows
@@ -123,14 +127,14 @@ impl<P: Scalar> Engine<P> {
         for data in &checkpoint.domains {
             let Some(place) = self.state.domain_index(&data.name) else { continue };
             let domain = &mut self.state.domains[place];
-            for column in data.columns.iter().chain(&data.previous) {
-                let Some(at) = domain.find(&column.property) else { continue };
-                let to = &mut domain.columns[at];
+            let lent = domain.columns.iter_mut().filter(|column| matches!(column.storage, Storage::Lent(_)));
+            for (to, all) in
+                lent.map(|to| (to, &data.columns)).chain(domain.previous.iter_mut().map(|to| (to, &data.previous)))
+            {
+                let from = all.iter().find(|from| from.property == to.info.name);
                 let width = to.info.kind.width();
-                if !to.given || matches!(to.storage, Storage::Lent(_)) {
-                    for (k, value) in column.numbers.iter().enumerate().take(to.len() * width) {
-                        to.set_number(k / width, k % width, P::from_f64(*value));
-                    }
+                for (k, value) in from.iter().flat_map(|from| &from.numbers).enumerate().take(to.len() * width) {
+                    to.set_number(k / width, k % width, P::from_f64(*value));
                 }
             }
         }
@@ -153,26 +157,18 @@ impl<P: Scalar> Engine<P> {
             vectors.filled.clone_from(&checkpoint.filled);
             self.integrator.set_memory(checkpoint.remembers);
         }
-        Ok(())
+        self.lent_memory_changed();
+        self.observe()
     }
 
     fn domain_data(&self, index: usize) -> DomainData {
         let domain = &self.state.domains()[index];
-        let registry = &self.pipeline.registry;
-        let looked_back_at = |column: &&Column<P>| {
-            let Some(id) = registry.find(index, column.info.name) else { return false };
-            registry.seats.iter().any(|seat| {
-                let ports = self.pipeline.entries[seat.law].signature.ports.iter().zip(&seat.ties);
-                ports.into_iter().any(|(port, tie)| port.mode == Mode::Previous && *tie == Tie::Quantity(id))
-            })
-        };
         let given = domain.columns().iter().filter(|column| column.is_given());
-        let computed = domain.columns().iter().filter(|column| !column.is_given()).filter(looked_back_at);
         DomainData {
             name: domain.name().to_owned(),
             rows: domain.rows(),
             columns: given.map(column_data).collect(),
-            previous: computed.map(column_data).collect(),
+            previous: domain.previous.iter().map(column_data).collect(),
         }
     }
 }
@@ -200,6 +196,10 @@ fn restored<P: Scalar>(state: &State<P>, checkpoint: &Checkpoint) -> Result<Stat
         let data = checkpoint.domains.iter().find(|data| data.name == domain.name);
         let data = data.ok_or_else(|| format!("it lacks domain {}", domain.name))?;
         domain.columns.retain(|column| column.given);
+        domain.previous.clear();
+        if u32::try_from(data.rows).is_err() {
+            return Err(format!("domain {} has {} rows, more than can be numbered", data.name, data.rows));
+        }
         domain.rows = data.rows;
         if domain.columns.len() != data.columns.len() || domain.name == SCENE && data.rows != 1 {
             return Err(format!("domain {} has other columns or rows", data.name));

@@ -10,6 +10,7 @@ mod checkpoint;
 pub use build::{Builder, Listing, Place, Placed};
 pub use checkpoint::{Checkpoint, ColumnData, DomainData};
 
+use crate::column::Storage;
 use crate::error::{Fault, Faults};
 use crate::integrate::{Integrator, System};
 use crate::pipeline::{FusedChain, Key, Listed, Machine, Pipeline, Probe, Runner, borrowed, lent_columns};
@@ -42,6 +43,8 @@ pub struct Engine<P: Scalar> {
     stale: bool,
     /// The length of a frame that is one step in which nothing moves; NaN where that is not known.
     quiet: f64,
+    /// How often the client asked to change what it lends, as of the last step; `None` if nobody can know.
+    lent_changes: Option<u64>,
     /// The state as it was, where blow-ups are traced.
     kept: Option<blow_up::Kept<P>>,
 }
@@ -99,16 +102,25 @@ impl<P: Scalar> Engine<P> {
             return Ok(());
         }
         if !(frame >= 0.0 && frame.is_finite()) {
-            return Err(Fault::Step { what: "the frame".to_owned(), value: frame }.into());
+            return Err(Fault::Step {
+                what: "the frame".to_owned(),
+                value: frame,
+                allowed: "a finite time, 0 or above",
+            }
+            .into());
         }
         let (count, step, remainder) = match self.step {
             Some(FixedStep { step, per_second }) => {
                 let total = self.remainder + frame;
                 // A frame that is a multiple of the step but for rounding is that many steps.
-                let count = (total * per_second + 1e-9) as u64;
+                let count = total * per_second + 1e-9;
+                if count >= MOST_STEPS {
+                    return Err(Fault::TooManySteps { frame, step }.into());
+                }
+                let count = count as u64;
                 (count, step, total - count as f64 * step)
             }
-            None if frame == 0.0 => return Ok(()),
+            None if frame == 0.0 => return self.refresh().map(|_| ()),
             None => (1, frame, 0.0),
         };
         self.run(count, step)?;
@@ -124,13 +136,16 @@ impl<P: Scalar> Engine<P> {
         self.state.set_time(P::from_f64(self.time()));
     }
 
-    /// Takes this many steps, of the fixed step, or of `step` s where there is none.
+    /// Takes this many steps of `step` s, whatever the fixed step is, which holds again in the next
+    /// [`Engine::advance`]. What is carried from frame to frame stays carried.
     ///
     /// # Errors
     /// As [`Engine::advance`].
     pub fn steps_of(&mut self, count: u64, step: f64) -> Result<(), Faults> {
         if !(step > 0.0 && step.is_finite()) {
-            return Err(Fault::Step { what: "the step".to_owned(), value: step }.into());
+            return Err(
+                Fault::Step { what: "the step".to_owned(), value: step, allowed: "a finite time above 0" }.into()
+            );
         }
         self.run(count, step)
     }
@@ -140,7 +155,7 @@ impl<P: Scalar> Engine<P> {
         if self.kept.is_none() {
             return self.take(count, step);
         }
-        self.keep();
+        self.keep()?;
         let first = self.steps;
         self.take(count, step).map_err(|faults| self.trace(faults, first, step))
     }
@@ -168,6 +183,8 @@ impl<P: Scalar> Engine<P> {
                     runner.set_time(clock.at(runner.step));
                     if runner.pipeline.amends {
                         runner.run(Key::Amend);
+                        // The state moved after the rates that the integrator remembers.
+                        integrator.restart();
                     }
                 }
                 if runner.pipeline.observes {
@@ -176,13 +193,9 @@ impl<P: Scalar> Engine<P> {
                 (runner.step, runner.evaluations)
             },
         )?;
-        if self.pipeline.amends {
-            // The state moved after the rates that the integrator remembers.
-            self.integrator.restart();
-        }
         self.steps = steps;
         self.evaluations += evaluations;
-        blow_up::check(&self.pipeline, &self.state, self.machine.isa, self.steps, self.time())
+        blow_up::check(&self.pipeline, &self.state, self.machine.isa, (self.steps, self.time()))
     }
 
     /// Follows what the client changed since the last step.
@@ -199,6 +212,33 @@ impl<P: Scalar> Engine<P> {
             self.integrator.restart();
             self.touched = false;
         }
+        if self.pipeline.lends && self.lent_memory_changed() {
+            self.integrator.restart();
+        }
+        Ok(())
+    }
+
+    /// Whether the client may have changed what it lends since this was last asked.
+    fn lent_memory_changed(&mut self) -> bool {
+        let changes = lent_columns(&self.state).map(|(domain, column)| {
+            match &self.state.domains[domain].columns[column].storage {
+                Storage::Lent(memory) => memory.changes(),
+                Storage::Split(_) | Storage::Link { .. } => Some(0),
+            }
+        });
+        // Memory that somebody else owns can change at any time.
+        let before = core::mem::replace(&mut self.lent_changes, changes.sum());
+        self.lent_changes.is_none() || self.lent_changes != before
+    }
+
+    /// Brings the computed columns that the client looks at up to date.
+    fn observe(&mut self) -> Result<(), Faults> {
+        if !self.pipeline.observes {
+            return Ok(());
+        }
+        let (time, step) = (self.time(), self.steps);
+        let shared = (self.laws.as_slice(), self.chains.as_slice(), &self.machine);
+        with_runner(&mut self.pipeline, &self.state, shared, (time, step), |runner| runner.run(Key::Observe))?;
         Ok(())
     }
 
@@ -263,12 +303,13 @@ impl<P: Scalar> Engine<P> {
         &self.pipeline.registry.report
     }
 
-    /// Brings report and graph up to date with what the client changed, without taking a step.
+    /// Brings report, graph and observed columns up to date with what the client changed, without taking a step.
     ///
     /// # Errors
-    /// Laws no longer fit the state.
+    /// Laws no longer fit the state, or the client borrows lent memory.
     pub fn refresh(&mut self) -> Result<&Report, Faults> {
         self.prepare()?;
+        self.observe()?;
         Ok(self.report())
     }
 
@@ -288,7 +329,8 @@ impl<P: Scalar> Engine<P> {
         if found { Ok(()) } else { Err(missing) }
     }
 
-    /// The sum of the energies of all running laws that know theirs, in J; and the laws that run but do not.
+    /// The sum of the energies of all active laws that know theirs, in J; and the active laws that do not. A law whose
+    /// result nobody needs is not among them.
     ///
     /// # Errors
     /// Laws no longer fit the state, or the client borrows lent memory.
@@ -321,7 +363,7 @@ impl<P: Scalar> Engine<P> {
     /// Traces numbers that become infinite or NaN to the step and to the first law that gave one, and leaves the state
     /// as it was before that step. Costs a copy of the state per call of [`Engine::advance`].
     pub fn trace_blow_ups(&mut self, on: bool) {
-        self.kept = on.then(Vec::new);
+        self.kept = on.then(blow_up::Kept::default);
     }
 
     /// Where each law of the list runs, in the order of the list; `None` where it does not run.
@@ -365,6 +407,9 @@ fn with_runner<P: Scalar, T>(
     result.ok_or_else(|| Fault::Borrowed { domain: "scene".to_owned(), property: "time".to_owned() }.into())
 }
 
+/// Steps of a frame that are counted: more would not end in years, and their number would not be exact.
+const MOST_STEPS: f64 = 1e15;
+
 /// Columns that may be lent at one time.
 const MAX_LENT: usize = 64;
 
@@ -382,7 +427,7 @@ fn hold<P: Scalar>(
     };
     let domain = &state.domains()[domain];
     let column = &domain.columns[column];
-    let crate::column::Storage::Lent(memory) = &column.storage else { return Ok(()) };
+    let Storage::Lent(memory) = &column.storage else { return Ok(()) };
     if next >= MAX_LENT {
         let (name, property) = (domain.name.as_str(), column.property().name);
         return Err(

@@ -10,7 +10,7 @@
 mod cycle;
 
 use crate::law::{Mode, Part, Place, Shape, Signature};
-use crate::property::Role;
+use crate::property::{Property, Role, Time};
 use crate::registry::{Entry, QuantityId, Registry, Seat, Tie, computes, start_of};
 
 use crate::error::{Fault, Faults};
@@ -41,7 +41,7 @@ pub(crate) struct Graph {
 impl Graph {
     /// Orders the laws.
     pub(crate) fn new<P: Scalar>(entries: &[Entry], registry: &Registry, state: &State<P>) -> Result<Self, Faults> {
-        let edges = edges(entries, registry, state);
+        let edges = edges(entries, registry);
         match sort(entries, registry, &edges) {
             Ok((order, level)) => Ok(Graph { order, edges, level }),
             Err(stuck) => Err(Fault::Cycle { path: cycle::path(&stuck, &edges, entries, registry, state) }.into()),
@@ -101,11 +101,25 @@ impl Graph {
 
     /// Whether the rates of the momenta depend on momenta: a force that depends on the velocity.
     pub(crate) fn momenta_depend_on_momenta(&self, entries: &[Entry], registry: &Registry) -> bool {
-        let (_, mut needs) = self.raters(Part::Momenta, entries, registry);
+        let needs = self.all_needs(Part::Momenta, entries, registry);
+        needs.iter().any(|&id| matches!(registry.quantities[id].info.role, Role::Momentum(_)))
+    }
+
+    /// What the rates of the coordinates depend on besides momenta: a coordinate, or the time.
+    pub(crate) fn coordinates_depend_on(&self, entries: &[Entry], registry: &Registry) -> Option<QuantityId> {
+        self.all_needs(Part::Coordinates, entries, registry).into_iter().find(|&id| {
+            let info = registry.quantities[id].info;
+            matches!(info.role, Role::Coordinate) || info.name == Time::NAME && registry.quantities[id].domain == 0
+        })
+    }
+
+    /// What the rates of a part depend on, through all laws between.
+    fn all_needs(&self, part: Part, entries: &[Entry], registry: &Registry) -> Vec<QuantityId> {
+        let (_, mut needs) = self.raters(part, entries, registry);
         for seat in self.makers(&needs, entries, registry) {
             needs.extend(inputs(&entries[registry.seats[seat].law].signature, &registry.seats[seat], u64::MAX));
         }
-        needs.iter().any(|&id| matches!(registry.quantities[id].info.role, Role::Momentum(_)))
+        needs
     }
 }
 
@@ -136,7 +150,7 @@ pub(crate) fn outputs<'a>(signature: &'a Signature, seat: &'a Seat) -> impl Iter
     })
 }
 
-fn edges<P: Scalar>(entries: &[Entry], registry: &Registry, _state: &State<P>) -> Vec<Edge> {
+fn edges(entries: &[Entry], registry: &Registry) -> Vec<Edge> {
     // Every access of every quantity: (seat, mode). A sum's start is read by whoever adds to or reads the sum.
     let mut accesses: Vec<Vec<(usize, Mode)>> = vec![Vec::new(); registry.quantities.len()];
     for (index, seat) in registry.seats.iter().enumerate() {

@@ -6,7 +6,8 @@
 //!
 //! Where a force depends on a velocity the plain second kick would cost an order. It is then taken in two: the velocity
 //! at the end is predicted, and the force evaluated again with it: order 2, two evaluations per step, no longer exactly
-//! symplectic.
+//! symplectic. Where the rate of a coordinate depends on a coordinate or on the time, the drift is a step of the midpoint
+//! rule for the same reason.
 //!
 //! Sources: Verlet, Phys. Rev. 159 (1967) 98; Swope et al., J. Chem. Phys. 76 (1982) 637, for the velocity form; the
 //! predicted kick is the trapezoidal rule with one fixed-point iteration.
@@ -49,10 +50,15 @@ impl Integrator for Leapfrog {
     }
 
     fn remark(&self, structure: &Structure) -> Option<String> {
-        structure.momenta_depend_on_momenta.then(|| {
+        let kick = structure.momenta_depend_on_momenta.then(|| {
             "a rate of momentum depends on momentum: the second kick is predicted and evaluated again, two evaluations per step"
                 .to_owned()
-        })
+        });
+        let drift = structure.coordinates_depend_on.as_ref().map(|other| {
+            format!("a rate of a coordinate depends on {other}: the drift is a midpoint step, no longer symplectic")
+        });
+        let remarks: Vec<String> = kick.into_iter().chain(drift).collect();
+        (!remarks.is_empty()).then(|| remarks.join("; "))
     }
 
     fn step(&mut self, system: &mut dyn System, step: f64) {
@@ -61,8 +67,18 @@ impl Integrator for Leapfrog {
             system.evaluate(Part::Momenta);
         }
         system.axpy(Register::State, half, Register::Rates, Part::Momenta);
-        system.advance(&[(Part::Coordinates, step)]);
-        system.set_time(system.time() + step);
+        let start = system.time();
+        if system.coordinates_depend_on_others() {
+            system.copy(SAVED, Register::State, Part::Coordinates);
+            system.advance(&[(Part::Coordinates, half)]);
+            system.set_time(start + half);
+            system.evaluate(Part::Coordinates);
+            system.copy(Register::State, SAVED, Part::Coordinates);
+            system.axpy(Register::State, step, Register::Rates, Part::Coordinates);
+        } else {
+            system.advance(&[(Part::Coordinates, step)]);
+        }
+        system.set_time(start + step);
         system.evaluate(Part::Momenta);
         if system.momenta_depend_on_momenta() {
             system.copy(SAVED, Register::State, Part::Momenta);

@@ -45,6 +45,8 @@ pub trait System {
     fn zero(&mut self, to: Register, part: Part);
     /// Whether the rates of momenta depend on momenta: a force that depends on a velocity.
     fn momenta_depend_on_momenta(&self) -> bool;
+    /// Whether the rates of coordinates depend on more than momenta: on coordinates, or on the time.
+    fn coordinates_depend_on_others(&self) -> bool;
 }
 
 /// What the builder tells an integrator about the laws, so that it can refuse them.
@@ -58,6 +60,8 @@ pub struct Structure {
     pub others: Vec<String>,
     /// Whether a force depends on a velocity.
     pub momenta_depend_on_momenta: bool,
+    /// A coordinate, or the time, that a rate of a coordinate depends on, where there is one.
+    pub coordinates_depend_on: Option<String>,
 }
 
 /// A method that takes a state on by one step.

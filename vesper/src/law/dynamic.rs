@@ -5,7 +5,7 @@
 
 use super::{Mode, Place, Port, Signature};
 use crate::domain::AsProperty;
-use crate::property::intern;
+use crate::property::{PropertyInfo, intern};
 use std::sync::Arc;
 
 /// The body of a [`DynLaw`]: the inputs' numbers in declared order, then where the outputs' numbers go.
@@ -36,13 +36,15 @@ pub struct DynLawBuilder {
     domain: Option<String>,
     inputs: Vec<Port>,
     outputs: Vec<Port>,
+    /// What rates depend on, where not on everything: (output, names of inputs).
+    from: Vec<(usize, Vec<&'static str>)>,
 }
 
 impl DynLaw {
     /// Begins the declaration of a law of this name.
     #[allow(clippy::new_ret_no_self, reason = "a law begins as its declaration")]
     pub fn new(name: &str) -> DynLawBuilder {
-        DynLawBuilder { name: name.to_owned(), domain: None, inputs: Vec::new(), outputs: Vec::new() }
+        DynLawBuilder { name: name.to_owned(), domain: None, inputs: Vec::new(), outputs: Vec::new(), from: Vec::new() }
     }
 
     /// What the law touches.
@@ -106,6 +108,15 @@ impl DynLawBuilder {
         self
     }
 
+    /// A state whose rate the body gives, and the inputs that this rate depends on: integrators that split a step, as
+    /// leapfrog does, take it then without the others, which are 0 in such a call. What the body does not look at is not
+    /// counted.
+    #[must_use]
+    pub fn rates_from(mut self, property: impl AsProperty, inputs: &[PropertyInfo]) -> Self {
+        self.from.push((self.outputs.len(), inputs.iter().map(|input| input.name).collect()));
+        self.rates(property)
+    }
+
     /// A state that the body corrects after a step.
     #[must_use]
     pub fn amends(mut self, property: impl AsProperty) -> Self {
@@ -117,11 +128,16 @@ impl DynLawBuilder {
     /// numbers of everything it changes.
     #[must_use]
     pub fn body(self, body: impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static) -> DynLaw {
-        let ports: Vec<Port> = self.inputs.into_iter().chain(self.outputs).collect();
+        let DynLawBuilder { name, domain, inputs, mut outputs, from } = self;
+        for (output, names) in from {
+            let bits = inputs.iter().enumerate().filter(|(_, input)| names.contains(&input.property.name));
+            outputs[output].from = bits.filter(|(bit, _)| *bit < 64).map(|(bit, _)| 1 << bit).sum();
+        }
+        let ports: Vec<Port> = inputs.into_iter().chain(outputs).collect();
         let signature = Signature {
-            name: intern(&self.name),
+            name: intern(&name),
             doc: "",
-            domain: self.domain.as_deref().map(intern),
+            domain: domain.as_deref().map(intern),
             ports: Box::leak(ports.into_boxed_slice()),
             parameters: &[],
             link: None,

@@ -96,6 +96,8 @@ pub(crate) enum Pass<P: Scalar> {
     Release(Vec<(*mut P, usize)>),
     /// Held shares added: (to, from).
     Hold(Vec<(Located<P>, *mut P)>),
+    /// Numbers copied: (to, from, how many).
+    Keep(Vec<(*mut P, *mut P, usize)>),
 }
 
 /// A pair law over the rows of its seat.
@@ -195,7 +197,7 @@ impl<P: Scalar> Binder<'_, P> {
                 Op::Law { seat, .. } | Op::Hold { seat } | Op::Release { seat } => {
                     Some(self.pipeline.registry.seats[seat].law)
                 }
-                Op::Start { .. } | Op::Sample { .. } | Op::Axpy { .. } => None,
+                Op::Start { .. } | Op::Sample { .. } | Op::Axpy { .. } | Op::Keep => None,
             })
             .collect();
         let fills = match first.op {
@@ -209,6 +211,17 @@ impl<P: Scalar> Binder<'_, P> {
                 self.held(seat).map(|(_, numbers)| (numbers.pointer(), numbers.as_slice().len())).collect(),
             ),
             Op::Hold { seat } => Pass::Hold(self.hold(seat)),
+            Op::Keep => {
+                let (to, from) = first.operands.split_at(first.operands.len() / 2);
+                let parts =
+                    to.iter().zip(from).filter_map(|(to, from)| match (self.locate(*to)?, self.locate(*from)?) {
+                        (Located { base: Base::Owned(to), len, .. }, Located { base: Base::Owned(from), .. }) => {
+                            Some((to, from, len))
+                        }
+                        _ => None,
+                    });
+                Pass::Keep(parts.collect())
+            }
             Op::Axpy { stage, .. } => {
                 let (to, from) = first.operands.split_at(first.operands.len() / 2);
                 let parts = to.iter().zip(from).filter_map(|(to, from)| {
@@ -258,6 +271,14 @@ impl<P: Scalar> Binder<'_, P> {
             Operand::Quantity(id, component) | Operand::Constant(id, component) => {
                 let known = &self.pipeline.registry.quantities[id];
                 locate_column(self.state, known.domain, known.info.name, component)
+            }
+            Operand::Previous(id, component) => {
+                let known = &self.pipeline.registry.quantities[id];
+                let columns = &self.state.domains[known.domain].previous;
+                let column = columns.iter().find(|column| column.info.name == known.info.name)?;
+                let Storage::Split(components) = &column.storage else { return None };
+                let base = Base::Owned(components.get(component)?.pointer());
+                Some(Located { base, stride: 1, len: column.len(), subset: None })
             }
             Operand::Rate(id, component) => {
                 let known = &self.pipeline.registry.quantities[id];
@@ -313,7 +334,7 @@ impl<P: Scalar> Binder<'_, P> {
                     Base::Owned(pointer) => pointer,
                     Base::Lent { .. } => return None,
                 },
-                Operand::Quantity(..) | Operand::Rate(..) | Operand::Held(..) => {
+                Operand::Quantity(..) | Operand::Rate(..) | Operand::Held(..) | Operand::Previous(..) => {
                     let located = self.locate(*operand)?;
                     match located.base {
                         Base::Owned(pointer) if op.rows.is_none() && located.stride == 1 => pointer,

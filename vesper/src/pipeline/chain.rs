@@ -35,9 +35,9 @@ impl<T: Chained> Chain<T> {
         laws
     }
 
-    /// The one loop, where all laws are row laws. `laws`: their numbers in the list, in the order of the chain.
+    /// The one loop, where all laws are row laws that agree on their constants. `laws`: their numbers in the list, in the order of the chain.
     pub(crate) fn fused<P: Scalar>(&self, laws: Vec<usize>) -> Option<FusedChain<P>> {
-        T::SIGNATURES.all_rows().then(|| FusedChain {
+        (T::SIGNATURES.all_rows() && T::LAYOUT.agrees).then(|| FusedChain {
             order: (0..T::LEN).map(|k| laws[T::LAYOUT.order[k]]).collect(),
             layout: &T::LAYOUT,
             laws,

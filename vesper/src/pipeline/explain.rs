@@ -70,7 +70,7 @@ impl<P: Scalar> Pipeline<P> {
             Pass::Group(group) => group.threads(),
             Pass::Pair(pair) => pair.threads,
             Pass::Link(link) => link.threads,
-            Pass::Column(_) | Pass::Axpy { .. } | Pass::Release(_) | Pass::Hold(_) => 1,
+            Pass::Column(_) | Pass::Axpy { .. } | Pass::Release(_) | Pass::Hold(_) | Pass::Keep(_) => 1,
         });
         threads.max().unwrap_or(0)
     }
@@ -124,6 +124,7 @@ impl<P: Scalar> Pipeline<P> {
             Pass::Axpy { .. } => "states advance by their rates".to_owned(),
             Pass::Release(_) => format!("shares of {laws} begin anew, every {} steps", pass.every),
             Pass::Hold(_) => format!("held shares of {laws} are added"),
+            Pass::Keep(_) => "results are kept for laws that look back at them".to_owned(),
         }
     }
 }

@@ -94,12 +94,6 @@ pub(crate) struct Group<P: Scalar> {
     _defaults: Vec<Aligned<P>>,
 }
 
-// SAFETY: its pointers are into columns of the state and into its own memory; they are followed only by
-// `Runner`, which holds the state exclusively, and threads get disjoint rows and a desk each.
-unsafe impl<P: Scalar> Send for Group<P> {}
-// SAFETY: as above; nothing is followed through a shared reference.
-unsafe impl<P: Scalar> Sync for Group<P> {}
-
 impl<P: Scalar> Group<P> {
     /// How many threads take part.
     pub(crate) fn threads(&self) -> usize {

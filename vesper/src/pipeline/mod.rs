@@ -9,6 +9,7 @@
 
 mod bind;
 mod chain;
+mod columns;
 mod dot;
 mod explain;
 mod group;
@@ -78,7 +79,14 @@ pub(crate) struct Pipeline<P: Scalar> {
     pub(crate) amends: bool,
     /// Whether computed quantities are observed.
     pub(crate) observes: bool,
+    /// Whether columns are the client's memory.
+    pub(crate) lends: bool,
 }
+
+// SAFETY: its pointers are into its own memory, and into columns of the state that it was made for, which are followed
+// only while `Runner` holds that state; both move to another thread together, with the engine that owns them, and
+// columns stay where they are in memory.
+unsafe impl<P: Scalar> Send for Pipeline<P> {}
 
 impl<P: Scalar> Pipeline<P> {
     /// Orders the laws, and makes the programs that this integrator and these observers will ask for.
@@ -101,6 +109,7 @@ impl<P: Scalar> Pipeline<P> {
         // Results of laws that no longer run must not be taken for results.
         for (index, domain) in state.domains.iter_mut().enumerate() {
             domain.columns.retain(|column| column.given || registry.find(index, column.info.name).is_some());
+            domain.previous.retain(|column| registry.find(index, column.info.name).is_some());
         }
         state.changed_layout();
         plan::prune(&entries, &mut registry, &graph, &observed, state);
@@ -116,10 +125,11 @@ impl<P: Scalar> Pipeline<P> {
             idle: false,
             amends: false,
             observes: false,
+            lends: lent_columns(state).next().is_some(),
         };
         let plans: Vec<_> = Key::ALL.into_iter().map(|key| plan::plan(key, &pipeline)).collect();
         for plan in &plans {
-            plan::materialise(plan, &pipeline, state);
+            columns::materialise(plan, &pipeline, state);
         }
         for (index, domain) in state.domains.iter_mut().enumerate() {
             for column in domain.columns.iter_mut().filter(|column| !column.given) {
@@ -204,6 +214,7 @@ fn structure<P: Scalar>(entries: &[Entry], registry: &Registry, graph: &Graph, s
         }
     }
     structure.momenta_depend_on_momenta = graph.momenta_depend_on_momenta(entries, registry);
+    structure.coordinates_depend_on = graph.coordinates_depend_on(entries, registry).map(|id| registry.name(id, state));
     structure
 }
 

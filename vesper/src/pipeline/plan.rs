@@ -1,7 +1,6 @@
 //! What is asked, as a list of operations over named places; no pointer yet.
 
 use super::Pipeline;
-use crate::column::Column;
 use crate::graph::{Graph, wanted_inputs};
 use crate::law::{Mode, Part, Place, Shape};
 use crate::real::Scalar;
@@ -78,9 +77,26 @@ pub(crate) enum Operand {
     Held(usize, usize),
     /// A field at the place of the row: (field, component).
     Field(usize, usize),
+    /// What the last evaluation left.
+    Previous(QuantityId, usize),
     Constant(QuantityId, usize),
     Default(f64),
     Absent,
+}
+
+impl Operand {
+    /// The quantity whose value it is, as it is now.
+    pub(super) fn quantity(self) -> Option<QuantityId> {
+        match self {
+            Operand::Quantity(id, _) | Operand::Constant(id, _) => Some(id),
+            Operand::Rate(..)
+            | Operand::Held(..)
+            | Operand::Previous(..)
+            | Operand::Field(..)
+            | Operand::Default(_)
+            | Operand::Absent => None,
+        }
+    }
 }
 
 /// One operation.
@@ -100,6 +116,8 @@ pub(crate) enum Op {
     Release { seat: usize },
     /// Held shares are added.
     Hold { seat: usize },
+    /// Results are kept for laws that look back at them in the next evaluation.
+    Keep,
 }
 
 /// An operation where it runs.
@@ -166,13 +184,13 @@ struct Stage<'a, P: Scalar> {
 impl<P: Scalar> Stage<'_, P> {
     fn emit(mut self) {
         let Pipeline { entries, registry, graph, observed, .. } = self.pipeline;
+        let first = self.ops.len();
         let (targets, needs) = match self.key {
             Key::Evaluate(_) | Key::Advance(_) | Key::KickDrift => graph.raters(self.part, entries, registry),
             Key::Amend => graph.amenders(entries, registry),
             Key::Observe => (Vec::new(), observed.clone()),
             Key::Energy => {
-                let all: Vec<usize> = graph.order.clone();
-                let needs = all.iter().flat_map(|&seat| {
+                let needs = graph.order.iter().flat_map(|&seat| {
                     let seat = &registry.seats[seat];
                     crate::graph::inputs(&entries[seat.law].signature, seat, u64::MAX)
                 });
@@ -194,7 +212,9 @@ impl<P: Scalar> Stage<'_, P> {
             }
         }
         if self.key == Key::Energy {
-            for seat in graph.order.clone() {
+            let runs =
+                |seat: &usize| matches!(registry.report.laws[registry.seats[*seat].law].status, Status::Active { .. });
+            for seat in graph.order.iter().copied().filter(runs).collect::<Vec<_>>() {
                 let quantities: Vec<QuantityId> =
                     crate::graph::inputs(&entries[registry.seats[seat].law].signature, &registry.seats[seat], u64::MAX)
                         .collect();
@@ -204,6 +224,49 @@ impl<P: Scalar> Stage<'_, P> {
         }
         for state in advanced {
             self.axpy(state);
+        }
+        // Looking, and amending after a step, are no evaluations that a next one could look back at.
+        if matches!(self.key, Key::Evaluate(_) | Key::Advance(_) | Key::KickDrift) {
+            self.keep(first);
+        }
+    }
+
+    /// Keeps what laws look back at, of what the operations from `first` on have made.
+    fn keep(&mut self, first: usize) {
+        let Pipeline { entries, registry, .. } = self.pipeline;
+        let mut looked_back_at: Vec<QuantityId> = registry
+            .seats
+            .iter()
+            .flat_map(|seat| entries[seat.law].signature.ports.iter().zip(&seat.ties))
+            .filter_map(|(port, tie)| match tie {
+                Tie::Quantity(id) if port.mode == Mode::Previous && !registry.quantities[*id].given => Some(*id),
+                _ => None,
+            })
+            .collect();
+        looked_back_at.sort_unstable();
+        looked_back_at.dedup();
+        for id in looked_back_at {
+            let writes = |op: &Placed| {
+                op.operands.iter().zip(&op.writes).any(|(to, writes)| *writes && to.quantity() == Some(id))
+            };
+            if !self.ops[first..].iter().any(writes) {
+                continue;
+            }
+            let known = &registry.quantities[id];
+            let width = known.info.kind.width();
+            self.ops.push(Placed {
+                op: Op::Keep,
+                domain: known.domain,
+                rows: None,
+                row_local: false,
+                backend: Backend::Auto,
+                every: 1,
+                operands: (0..width)
+                    .map(|c| Operand::Previous(id, c))
+                    .chain((0..width).map(|c| Operand::Quantity(id, c)))
+                    .collect(),
+                writes: (0..2 * width).map(|k| k < width).collect(),
+            });
         }
     }
 
@@ -324,6 +387,7 @@ impl<P: Scalar> Stage<'_, P> {
 
     fn push_law(&mut self, index: usize, part: Part, advance: Option<usize>, energy: bool) {
         let (seat, entry) = self.seat(index);
+        let registry = &self.pipeline.registry;
         let every = entry.options.every;
         let held = every > 1 && !energy;
         let mask = wanted_inputs(&entry.signature, part);
@@ -334,6 +398,7 @@ impl<P: Scalar> Stage<'_, P> {
                 let slot = operands.len();
                 let unwanted = port.mode.is_input()
                     && !energy
+                    && entry.shape != Shape::Column
                     && mask.is_some_and(|mask| number < 64 && mask >> number & 1 == 0)
                     && !entry.signature.ports.iter().any(|other| computes(other.mode) || other.mode == Mode::Amends);
                 operands.push(match (tie, port.mode) {
@@ -341,12 +406,14 @@ impl<P: Scalar> Stage<'_, P> {
                     (Tie::Absent, _) => Operand::Absent,
                     (Tie::Default(value), _) => Operand::Default(value[component.min(2)]),
                     (Tie::Field(field), _) => Operand::Field(*field, component),
-                    (Tie::Quantity(id), Mode::Rates) if !part.holds(&port.property.role) => {
-                        let _ = id;
-                        Operand::Absent
-                    }
+                    // A column law gives all its rates; those that are not wanted are rates all the same.
+                    (Tie::Quantity(id), Mode::Rates) if entry.shape == Shape::Column => Operand::Rate(*id, component),
+                    (Tie::Quantity(_), Mode::Rates) if !part.holds(&port.property.role) => Operand::Absent,
                     (Tie::Quantity(id), Mode::Rates) if advance.is_none() => Operand::Rate(*id, component),
                     (Tie::Quantity(_), Mode::Adds) if held => Operand::Held(index, slot),
+                    (Tie::Quantity(id), Mode::Previous) if !registry.quantities[*id].given => {
+                        Operand::Previous(*id, component)
+                    }
                     (Tie::Quantity(id), _) if port.place == Place::Scene => Operand::Constant(*id, component),
                     (Tie::Quantity(id), _) => Operand::Quantity(*id, component),
                 });
@@ -388,49 +455,6 @@ impl<P: Scalar> Stage<'_, P> {
                 .collect(),
             writes: (0..2 * width).map(|k| k < width).collect(),
         });
-    }
-}
-
-impl Plan {
-    /// Whether a computed quantity lives in one pass only, so that a scratch of a block is enough for it.
-    pub(crate) fn is_transient<P: Scalar>(&self, quantity: QuantityId, pipeline: &Pipeline<P>) -> bool {
-        let known = &pipeline.registry.quantities[quantity];
-        let previous = pipeline.registry.seats.iter().any(|seat| {
-            let ports = pipeline.entries[seat.law].signature.ports;
-            ports
-                .iter()
-                .zip(&seat.ties)
-                .any(|(port, tie)| port.mode == Mode::Previous && *tie == Tie::Quantity(quantity))
-        });
-        let looked_at = self.key == Key::Observe && pipeline.observed.contains(&quantity);
-        let computed = !known.given && !pipeline.states().contains(&quantity);
-        let passes: Vec<&Vec<Placed>> = self
-            .passes
-            .iter()
-            .filter(|pass| {
-                pass.iter()
-                    .any(|op| op.operands.iter().any(|at| matches!(at, Operand::Quantity(id, _) if *id == quantity)))
-            })
-            .collect();
-        let one_pass = matches!(passes.as_slice(), [pass] if pass.iter().all(|op| op.row_local && op.rows.is_none()));
-        computed && !previous && !looked_at && one_pass
-    }
-}
-
-/// Gives every computed quantity that outlives a pass a column in the state.
-pub(crate) fn materialise<P: Scalar>(plan: &Plan, pipeline: &Pipeline<P>, state: &mut State<P>) {
-    for pass in &plan.passes {
-        for operand in pass.iter().flat_map(|op| &op.operands) {
-            let Operand::Quantity(id, _) = operand else { continue };
-            let known = &pipeline.registry.quantities[*id];
-            if state.domains[known.domain].find(known.info.name).is_some() || plan.is_transient(*id, pipeline) {
-                continue;
-            }
-            let domain = &mut state.domains[known.domain];
-            let stream = domain.columns.iter().map(|column| column.info.kind.width()).sum();
-            domain.columns.push(Column::computed(known.info, domain.rows, stream));
-            state.changed_layout();
-        }
     }
 }
 

@@ -102,17 +102,14 @@ fn in_parts<P: Scalar>(
     if threads <= 1 || parts <= 1 {
         return work(0..count);
     }
-    // More parts than threads, so that a thread that is late does not hold up the others; the parts are the same for
-    // any number of threads, and no sum crosses them.
-    let pieces = (threads * 4).min(parts);
-    let each = parts.div_ceil(pieces) * grain;
+    // More parts than threads, so that a thread that is late does not hold up the others. No sum crosses a part, so
+    // that any number of threads gives the same bits.
     let mut ranges = [const { 0..0 }; 256];
-    let used = count.div_ceil(each).min(ranges.len());
+    let pieces = (threads * 4).min(parts).min(ranges.len());
+    let each = parts.div_ceil(pieces) * grain;
+    let used = count.div_ceil(each);
     for (piece, range) in ranges[..used].iter_mut().enumerate() {
         *range = piece * each..((piece + 1) * each).min(count);
-    }
-    if let Some(last) = ranges[..used].last_mut() {
-        last.end = count;
     }
     let work = Shared(work);
     let work = &work;
@@ -259,6 +256,10 @@ impl<P: Scalar> System for Runner<'_, P> {
     fn momenta_depend_on_momenta(&self) -> bool {
         self.pipeline.structure.momenta_depend_on_momenta
     }
+
+    fn coordinates_depend_on_others(&self) -> bool {
+        self.pipeline.structure.coordinates_depend_on.is_some()
+    }
 }
 
 fn run_pass<P: Scalar>(pass: &mut BoundPass<P>, context: &Context<'_, P>) -> f64 {
@@ -270,6 +271,12 @@ fn run_pass<P: Scalar>(pass: &mut BoundPass<P>, context: &Context<'_, P>) -> f64
         Pass::Column(pass) => run_columns(pass, context),
         Pass::Axpy { parts, stage } => add_scaled(parts, Some(context.steps[*stage]), context),
         Pass::Hold(parts) => add_scaled(parts, None, context),
+        Pass::Keep(parts) => {
+            for (to, from, count) in parts.iter().copied() {
+                // SAFETY: both have `count` numbers, and are different columns.
+                unsafe { to.copy_from_nonoverlapping(from, count) };
+            }
+        }
         Pass::Release(numbers) => {
             for (start, count) in numbers {
                 // SAFETY: held shares are this program's own.
@@ -376,8 +383,10 @@ fn run_link<P: Scalar>(pass: &mut LinkPass<P>, context: &Context<'_, P>) -> f64 
         });
     });
     let first = first_result(context, pass.law);
-    let rows = ends.iter().max().map_or(0, |row| *row as usize + 1);
-    context.watch(pass.law, || pass.resolved[first..].iter().map(|slot| (slot.start, slot.stride, rows)));
+    context.watch(pass.law, || {
+        let rows = ends.iter().max().map_or(0, |row| *row as usize + 1);
+        pass.resolved[first..].iter().map(move |slot| (slot.start, slot.stride, rows))
+    });
     0.0
 }
 

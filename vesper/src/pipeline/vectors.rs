@@ -4,7 +4,7 @@ use super::Pipeline;
 use super::bind::{Base, Located, locate_column};
 use crate::column::{Aligned, Storage};
 use crate::integrate::Register;
-use crate::law::Part;
+use crate::law::{Part, Place, Port};
 use crate::property::Role;
 use crate::real::Scalar;
 use crate::registry::QuantityId;
@@ -103,13 +103,16 @@ fn held<P: Scalar>(pipeline: &Pipeline<P>, state: &State<P>) -> Vec<Held<P>> {
         if entry.options.every <= 1 {
             continue;
         }
-        let domain = seat.target.unwrap_or(seat.domain);
         let slots = entry.signature.slots();
+        let rows = |port: &Port| {
+            let domain = if port.place == Place::End { seat.target } else { None };
+            state.domains[domain.unwrap_or(seat.domain)].rows
+        };
         let shares = entry
             .signature
             .outputs()
-            .flat_map(|(port, _)| slots[port]..slots[port + 1])
-            .map(|slot| (slot, Aligned::zeros(state.domains[domain].rows, slot)))
+            .flat_map(|(port, declared)| (slots[port]..slots[port + 1]).map(move |slot| (slot, declared)))
+            .map(|(slot, port)| (slot, Aligned::zeros(rows(port), slot)))
             .collect();
         held.push((index, shares));
     }

@@ -55,9 +55,17 @@ macro_rules! lanes {
         impl Mask for $mask {}
 
         impl $name {
+            /// Lane by lane, through memory once: no register is taken apart.
             #[inline(always)]
-            fn each(self, f: impl Fn($scalar) -> $scalar) -> Self {
-                Self::from_lanes(|i| f(self.lane(i)))
+            fn each(self, f: impl Fn($scalar, usize) -> $scalar) -> Self {
+                let mut numbers = [0.0; $count * $per];
+                // SAFETY: the array has a number for every lane.
+                unsafe { self.store(numbers.as_mut_ptr()) };
+                for (lane, number) in numbers.iter_mut().enumerate() {
+                    *number = f(*number, lane);
+                }
+                // SAFETY: as above.
+                unsafe { Self::load(numbers.as_ptr()) }
             }
         }
 
@@ -193,20 +201,28 @@ macro_rules! lanes {
                 // SAFETY: see above.
                 $name([$(unsafe { $max(self.0[$i], other.0[$i]) }),+])
             }
+            #[inline(always)]
             fn sin(self) -> Self {
-                self.each($scalar::sin)
+                self.each(|number, _| number.sin())
             }
+            #[inline(always)]
             fn cos(self) -> Self {
-                self.each($scalar::cos)
+                self.each(|number, _| number.cos())
             }
+            #[inline(always)]
             fn exp(self) -> Self {
-                self.each($scalar::exp)
+                self.each(|number, _| number.exp())
             }
+            #[inline(always)]
             fn ln(self) -> Self {
-                self.each($scalar::ln)
+                self.each(|number, _| number.ln())
             }
+            #[inline(always)]
             fn powf(self, exponent: Self) -> Self {
-                Self::from_lanes(|i| self.lane(i).powf(exponent.lane(i)))
+                let mut exponents = [0.0; $count * $per];
+                // SAFETY: the array has a number for every lane.
+                unsafe { exponent.store(exponents.as_mut_ptr()) };
+                self.each(|number, lane| number.powf(exponents[lane]))
             }
             #[inline(always)]
             fn less(self, other: Self) -> $mask {

@@ -133,24 +133,29 @@ pub(super) fn declarations<P: Scalar>(entries: &[Entry], state: &State<P>, fault
 pub(super) fn seats<P: Scalar>(entries: &[Entry], registry: &Registry, state: &State<P>, faults: &mut Vec<Fault>) {
     twice(entries, registry, state, faults);
     starts(registry, state, faults);
-    let outputs: Vec<(&str, &Port, usize)> = registry
+    let outputs: Vec<((&str, usize), &Port, usize)> = registry
         .seats
         .iter()
-        .flat_map(|seat| {
+        .enumerate()
+        .flat_map(|(number, seat)| {
             let entry = &entries[seat.law];
             entry.signature.ports.iter().zip(&seat.ties).filter_map(move |(port, tie)| match tie {
                 // Adding to what is no sum is a fault of its own.
                 _ if port.mode == Mode::Adds && !matches!(port.property.role, Role::Sum { .. }) => None,
-                Tie::Quantity(id) if !port.mode.is_input() => Some((entry.label(), port, *id)),
+                Tie::Quantity(id) if !port.mode.is_input() => Some(((entry.label(), number), port, *id)),
                 _ => None,
             })
         })
         .collect();
-    for (index, (law, port, id)) in outputs.iter().enumerate() {
+    for (index, ((law, seat), port, id)) in outputs.iter().enumerate() {
         let name = || registry.name(*id, state);
-        // A law that is listed twice is a fault already.
-        let others = outputs[..index].iter().filter(|(other, _, other_id)| other_id == id && other != law);
-        for (other, other_port, _) in others {
+        // A law that is listed twice is a fault already; so are two outputs of one law to one property.
+        let others = outputs[..index].iter().filter(|((other, _), _, other_id)| other_id == id && other != law);
+        let again = outputs[..index].iter().any(|((_, other), _, other_id)| other == seat && other_id == id);
+        if again && port.place != Place::End {
+            faults.push(Fault::OutputTwice { law: law.to_string(), property: name() });
+        }
+        for ((other, _), other_port, _) in others {
             let two = (other.to_string(), law.to_string());
             match (other_port.mode, port.mode) {
                 (Mode::Sets, Mode::Sets) => faults.push(Fault::TwoSet { law: two.0, other: two.1, property: name() }),
@@ -198,9 +203,7 @@ fn starts<P: Scalar>(registry: &Registry, state: &State<P>, faults: &mut Vec<Fau
 fn twice<P: Scalar>(entries: &[Entry], registry: &Registry, state: &State<P>, faults: &mut Vec<Fault>) {
     for (index, seat) in registry.seats.iter().enumerate() {
         let same = |other: &&super::Seat| {
-            other.domain == seat.domain
-                && entries[other.law].signature.name == entries[seat.law].signature.name
-                && entries[other.law].label() == entries[seat.law].label()
+            other.domain == seat.domain && entries[other.law].label() == entries[seat.law].label()
         };
         if registry.seats[..index].iter().any(|other| same(&other)) {
             faults.push(Fault::LawTwice {

@@ -70,7 +70,8 @@ impl<P: Scalar> State<P> {
             .into_iter()
             .map(|domain| {
                 let (count, by) = rows_of(&domain);
-                let mut state = DomainState { name: domain.name.clone(), rows: count, columns: Vec::new() };
+                let mut state =
+                    DomainState { name: domain.name.clone(), rows: count, columns: Vec::new(), previous: Vec::new() };
                 for column in domain.columns {
                     if state.find(column.info.name).is_some() {
                         faults.push(Fault::ColumnTwice {
@@ -142,8 +143,7 @@ fn lent_twice<P: Scalar>(domains: &[Domain<P>], faults: &mut Vec<Fault>) {
             ));
         }
         if let Some((_, first)) = known.iter().find(|(other, _)| *other == memory.identity()) {
-            let why = format!("is lent to {first} already: lend each column memory of its own");
-            faults.push(Fault::client_memory(&domain.name, name, "be lent twice", &why));
+            faults.push(Fault::lent_twice(&domain.name, name, first));
         }
         known.push((memory.identity(), format!("{}.{name}", domain.name)));
     }
@@ -191,7 +191,13 @@ impl Check<'_> {
                 self.in_range(&column.info, &values.numbers, scale, &components, &order, faults);
                 Storage::Split(components)
             }
-            GivenValues::Lent(memory) => Storage::Lent(memory),
+            GivenValues::Lent(memory) => {
+                if memory.busy(false) {
+                    let (domain, property) = (self.domain.to_owned(), column.info.name.to_owned());
+                    faults.push(Fault::Borrowed { domain, property });
+                }
+                Storage::Lent(memory)
+            }
             GivenValues::Links { target, rows, .. } => {
                 self.links(&column.info, &target, &rows, faults);
                 Storage::Link { target, arity: width, rows }

@@ -2,7 +2,7 @@
 
 use super::State;
 use crate::column::{Column, Storage, Values, renumbering};
-use crate::domain::{AsProperty, Domain, Given, GivenValues};
+use crate::domain::{AsProperty, Domain, Given, GivenValues, SCENE};
 use crate::error::{Fault, Faults};
 use crate::field::Field;
 use crate::real::Scalar;
@@ -52,7 +52,7 @@ impl<P: Scalar> State<P> {
     fn append(&mut self, place: usize, new: &super::DomainState<P>, old_rows: usize) -> Result<(), Faults> {
         let domain = &mut self.domains[place];
         domain.rows += new.rows;
-        for column in &mut domain.columns {
+        for column in domain.columns.iter_mut().chain(&mut domain.previous) {
             let width = column.info.kind.width();
             let from = new.find(column.info.name).map(|index| &new.columns[index]).filter(|_| column.given);
             let Some(from) = from else {
@@ -107,7 +107,7 @@ impl<P: Scalar> State<P> {
         for index in 0..self.domains.len() {
             if shrinks(index) {
                 let domain = &mut self.domains[index];
-                for column in &mut domain.columns {
+                for column in domain.columns.iter_mut().chain(&mut domain.previous) {
                     column.retain(&domain.name, &keep[index])?;
                 }
                 domain.rows = keep[index].iter().filter(|keep| **keep).count();
@@ -164,10 +164,15 @@ impl<P: Scalar> State<P> {
             .map(|other| Domain::new(&other.name).rows(other.rows))
             .collect();
         let place = self.domain_index(&name);
+        self.lent_already(&columns)?;
         let with_rows = match place {
             Some(index) => columns.rows(self.domains[index].rows),
             None => columns,
         };
+        let time = crate::property::Time.info().name;
+        if place == Some(0) && with_rows.columns.iter().any(|column| column.info.name == time) {
+            return Err(Fault::SceneRow { mend: "its time is there, set it to another value".to_owned() }.into());
+        }
         let mut parsed = State::new(others.into_iter().chain([with_rows]), [])?;
         let at = parsed.domain_index(&name).ok_or_else(|| self.no_domain(&name))?;
         let new = parsed.domains.swap_remove(at);
@@ -196,6 +201,23 @@ impl<P: Scalar> State<P> {
         Ok(())
     }
 
+    /// A fault for memory that a column has already.
+    fn lent_already(&self, columns: &Domain<P>) -> Result<(), Faults> {
+        let mut faults = Vec::new();
+        for given in &columns.columns {
+            let GivenValues::Lent(memory) = &given.values else { continue };
+            for (domain, column) in
+                self.domains.iter().flat_map(|domain| domain.columns.iter().map(move |c| (domain, c)))
+            {
+                if matches!(&column.storage, Storage::Lent(other) if other.identity() == memory.identity()) {
+                    let first = format!("{}.{}", domain.name, column.info.name);
+                    faults.push(Fault::lent_twice(&columns.name, given.info.name, &first));
+                }
+            }
+        }
+        Faults::unless_empty(faults, ())
+    }
+
     /// Takes a column away; laws that need it become dormant at the next step.
     ///
     /// # Errors
@@ -203,7 +225,7 @@ impl<P: Scalar> State<P> {
     pub fn remove_column(&mut self, domain: &str, property: impl AsProperty) -> Result<(), Fault> {
         let name = property.info().name;
         self.column(domain, name)?;
-        if domain == Self::scene_name() && name == crate::property::Time.info().name {
+        if domain == SCENE && name == crate::property::Time.info().name {
             return Err(Fault::SceneRow { mend: "its time stays, set it to another value".to_owned() });
         }
         if let Some(index) = self.domain_index(domain) {
@@ -233,12 +255,17 @@ impl<P: Scalar> State<P> {
             subset: None,
             values: GivenValues::Numbers(value.into().as_one(info.kind.width())),
         };
-        let mut scene = Domain::new(Self::scene_name());
+        let time = crate::property::Time.info();
+        if info.name == time.name && info != time {
+            return Err(Fault::SceneRow { mend: "its time is in s; name another property otherwise".to_owned() }.into());
+        }
+        let mut scene = Domain::new(SCENE);
         scene.columns.push(column);
         let parsed = State::new([scene], [])?;
-        let new = parsed.column(Self::scene_name(), info.name)?;
+        let new = parsed.column(SCENE, info.name)?;
         match self.domains[0].find(info.name) {
-            Some(index) if self.domains[0].columns[index].info == info => {
+            // What a law computes is no constant: with the client's value beside it, the next step finds two that set it.
+            Some(index) if self.domains[0].columns[index].info == info && self.domains[0].columns[index].given => {
                 for component in 0..info.kind.width() {
                     self.domains[0].columns[index].set_number(0, component, new.number(0, component));
                 }

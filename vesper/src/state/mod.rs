@@ -7,7 +7,7 @@ mod build;
 mod edit;
 
 use crate::column::{Column, ColumnMut, Storage};
-use crate::domain::{AsProperty, SCENE};
+use crate::domain::AsProperty;
 use crate::error::{Fault, nearest};
 use crate::field::Field;
 use crate::property::{Numeric, Property, PropertyInfo, Time, ValueOf};
@@ -21,6 +21,8 @@ pub struct DomainState<P: Scalar> {
     pub(crate) name: String,
     pub(crate) rows: usize,
     pub(crate) columns: Vec<Column<P>>,
+    /// What the last evaluation left of computed properties that laws look back at.
+    pub(crate) previous: Vec<Column<P>>,
 }
 
 impl<P: Scalar> DomainState<P> {
@@ -51,6 +53,8 @@ impl<P: Scalar> DomainState<P> {
 /// All data of a run.
 ///
 /// The domain "scene" has one row and holds the constants and the time.
+///
+/// A clone copies all that the state owns. Lent memory stays the client's: the clone looks at the same.
 pub struct State<P: Scalar> {
     pub(crate) domains: Vec<DomainState<P>>,
     pub(crate) fields: Vec<(PropertyInfo, Arc<dyn Field<P>>)>,
@@ -193,7 +197,7 @@ impl<P: Scalar> State<P> {
     /// Changes the value of one row.
     ///
     /// # Errors
-    /// There is no such domain, property or row.
+    /// There is no such domain, property or row, or the value is infinite or NaN.
     pub fn set<Q: Property<Kind: Numeric>>(
         &mut self,
         domain: &str,
@@ -203,6 +207,14 @@ impl<P: Scalar> State<P> {
     ) -> Result<(), Fault> {
         let index = self.place(domain, &Q::INFO, row)?;
         let column = self.column_mut(domain, Q::NAME)?.0;
+        let mut bad = None;
+        <Q::Kind as Numeric>::each_component(value, |_, number: P| {
+            bad = bad.or((!number.is_finite()).then_some(number))
+        });
+        if let Some(number) = bad {
+            let (domain, property) = (domain.to_owned(), Q::NAME.to_owned());
+            return Err(Fault::NotFinite { domain, property, row, value: number.to_f64() });
+        }
         <Q::Kind as Numeric>::each_component(value, |component, number| column.set_number(index, component, number));
         Ok(())
     }
@@ -249,7 +261,8 @@ impl<P: Scalar> State<P> {
             .unwrap_or_default()
     }
 
-    /// A hash of every given number and link, for determinism tests: equal states have equal hashes, bit for bit.
+    /// A hash of every given number and link, for determinism tests: equal states have equal hashes, bit for bit. Lent
+    /// memory counts as zeros while the client changes it.
     pub fn hash(&self) -> u64 {
         // FNV-1a, 64 bits (Fowler, Noll, Vo): the order of the bytes is the order of domains, columns and rows.
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
@@ -273,9 +286,5 @@ impl<P: Scalar> State<P> {
             }
         }
         hash
-    }
-
-    pub(crate) fn scene_name() -> &'static str {
-        SCENE
     }
 }

@@ -1,7 +1,7 @@
 //! Which register each component of a chain's quantities has, and in which order its laws run: all in constants.
 
 use crate::backend::MAX_SLOTS;
-use crate::law::{Mode, Place, Shape, Signature};
+use crate::law::{Mode, Place, Port, Shape, Signature};
 use crate::property::Role;
 
 /// Registers of a chain: components of different quantities.
@@ -77,6 +77,8 @@ pub struct Layout {
     /// The laws in the order of an evaluation.
     pub(crate) order: [usize; LAWS],
     names: [(&'static str, Place); REGISTERS],
+    /// Whether all laws that read a constant say the same of it, so that one register serves them.
+    pub(crate) agrees: bool,
 }
 
 impl Layout {
@@ -90,7 +92,9 @@ impl Layout {
             count: 0,
             order: order(list),
             names: [("", Place::Own); REGISTERS],
+            agrees: true,
         };
+        let mut ports_of = [None; REGISTERS];
         if !list.all_rows() {
             return layout;
         }
@@ -101,6 +105,10 @@ impl Layout {
             while port < ports.len() {
                 let declared = ports[port];
                 let first = layout.find_or_add(declared.property.name, declared.place, declared.property.kind.width());
+                match ports_of[first] {
+                    None => ports_of[first] = Some(declared),
+                    Some(other) => layout.agrees = layout.agrees && same_constant(&other, &declared),
+                }
                 let mut component = 0;
                 while component < declared.property.kind.width() {
                     let register = first + component;
@@ -134,7 +142,7 @@ impl Layout {
         first
     }
 
-    const fn note(&mut self, register: usize, port: &crate::law::Port) {
+    const fn note(&mut self, register: usize, port: &Port) {
         let constant = matches!(port.place, Place::Scene);
         match port.mode {
             Mode::Rates => {
@@ -190,6 +198,18 @@ impl Layout {
 
     pub(crate) fn first_of(&self, name: &str) -> Option<usize> {
         self.names[..self.count].iter().position(|known| *known == (name, Place::Own))
+    }
+}
+
+/// Whether two declarations of a constant have the same default.
+const fn same_constant(one: &Port, other: &Port) -> bool {
+    if !matches!(one.place, Place::Scene) {
+        return true;
+    }
+    match (one.default, other.default) {
+        (None, None) => one.optional == other.optional,
+        (Some(one), Some(other)) => one[0] == other[0] && one[1] == other[1] && one[2] == other[2],
+        _ => false,
     }
 }
 

@@ -124,7 +124,7 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
                     first,
                 }
             }
-            Op::Axpy { .. } | Op::Release { .. } | Op::Hold { .. } => return,
+            Op::Axpy { .. } | Op::Release { .. } | Op::Hold { .. } | Op::Keep => return,
         });
     }
 
@@ -156,7 +156,11 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
                 Some(value) => return self.fixed(value[component], MAX_WIDTH),
                 None => return Slot::Scratch(self.scratch(operand)),
             },
-            Operand::Quantity(..) | Operand::Rate(..) | Operand::Held(..) | Operand::Constant(..) => {
+            Operand::Quantity(..)
+            | Operand::Rate(..)
+            | Operand::Held(..)
+            | Operand::Previous(..)
+            | Operand::Constant(..) => {
                 let transient = match operand {
                     Operand::Quantity(id, _) => self.binder.plan.is_transient(id, self.binder.pipeline),
                     _ => false,

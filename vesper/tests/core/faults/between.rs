@@ -77,6 +77,10 @@ fn mistakes_between_steps() {
             "domain scene has always one row, which holds the constants: its time stays, set it to another value",
         ),
         (
+            edited(|state| state.add_columns(Domain::new("scene").with(Time, [5.0]))),
+            "domain scene has always one row, which holds the constants: its time is there, set it to another value",
+        ),
+        (
             edited(|state| Ok(state.remove_column("bodies", Charge)?)),
             "bodies has no property charge: give it as a column, or observe it where a law computes it",
         ),
@@ -93,8 +97,8 @@ fn mistakes_between_steps() {
             "scene.gravity is a vector, but it is given as 1 number per row: give 3 numbers per row",
         ),
         (
-            changed(moving(), |state| state.set("bodies", Velocity, 1, DVec3::NAN).unwrap()),
-            "at step 1 (time 0.1 s) bodies.velocity of row 1 became NaN; motion moves it: take a smaller step, or look at its parameters\nat step 1 (time 0.1 s) bodies.position of row 1 became NaN; motion moves it: take a smaller step, or look at its parameters",
+            edited(|state| state.set("bodies", Velocity, 1, DVec3::NAN).map_err(Faults::from)),
+            "bodies.velocity: row 1 is NaN: give a finite number",
         ),
         (changed(moving(), |state| *state = State::new([], []).unwrap()), "nothing is wrong"),
         (

@@ -49,8 +49,16 @@ fn mistakes_in_a_list_of_laws() {
             "the laws close a circle: grow adds to bodies.force, which grow reads: let one of them read the value before, `reads(previous ...)`",
         ),
         (
+            built(moving().law(Weight.label("motion"))),
+            "motion is given twice on domain bodies: keep one, or give each a label of its own, `.label(\"...\")`",
+        ),
+        (
+            built(moving().law(DynLaw::new("twice").sets(Trace).sets(Trace).body(|_, _| {}))),
+            "twice declares two outputs of bodies.trace: keep one",
+        ),
+        (
             built(moving().law(Weight).law(Weight)),
-            "weight is given twice on domain bodies: keep one, or give each a label, `.label(\"...\")`",
+            "weight is given twice on domain bodies: keep one, or give each a label of its own, `.label(\"...\")`",
         ),
         (
             built(moving().domain(Domain::new("stars").with(Mass, [1.0])).law(Weight)),

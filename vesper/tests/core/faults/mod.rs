@@ -79,15 +79,17 @@ fn mistakes_in_settings() {
     let advanced = |frame| said(moving().build().and_then(|mut engine| engine.advance(frame)));
     let switched = |law| said(moving().build().map(|mut engine| engine.enable(law, false)).unwrap());
     check(&[
-        (built(moving().step(0.0)), "the step is 0 s: give a time above 0"),
-        (built(moving().step(f64::NAN)), "the step is NaN s: give a time above 0"),
-        (advanced(-1.0), "the frame is -1 s: give a time above 0"),
-        (advanced(f64::INFINITY), "the frame is inf s: give a time above 0"),
+        (built(moving().step(0.0)), "the step is 0.0 s: give a finite time above 0"),
+        (built(moving().step(f64::NAN)), "the step is NaN s: give a finite time above 0"),
+        (advanced(-1.0), "the frame is -1.0 s: give a finite time, 0 or above"),
+        (advanced(f64::INFINITY), "the frame is inf s: give a finite time, 0 or above"),
         (
             said(moving().build().and_then(|mut engine| engine.steps_of(1, -0.5))),
-            "the step is -0.5 s: give a time above 0",
+            "the step is -0.5 s: give a finite time above 0",
         ),
-        (built(moving().threads(0)), "threads is 0: give at least 1, or leave it out for all cores"),
+        (advanced(1e300), "a frame of 1e300 s in steps of 1e-1 s is more steps than can be counted: take longer steps"),
+        (built(moving().threads(100_000)), "threads is 100000: give 1 to 1024, or leave it out for all cores"),
+        (built(moving().threads(0)), "threads is 0: give 1 to 1024, or leave it out for all cores"),
         (switched("motoin"), "no law motoin; did you mean motion?"),
         (switched("x"), "no law x: list it in the builder"),
     ]);
@@ -100,12 +102,12 @@ fn several_mistakes_are_reported_together() {
     let text = built(engine().domain(bodies).domain(springs).step(-1.0).threads(0));
     check(&[(
         text,
-        "the step is -1 s: give a time above 0\nthreads is 0: give at least 1, or leave it out for all cores\nbodies.drag_coefficient has 1 value, but domain bodies has 3 rows, counted by position: give one value per row\nbodies.charge: row 7 is outside domain bodies, which has 3 rows, counted from 0\nbodies.mass is given twice: keep one\nsprings.ends links to domain bodys, which does not exist; did you mean bodies?\nsprings.stiffness is given in N, but it is measured in N/m: give it in a unit of that dimension",
+        "the step is -1.0 s: give a finite time above 0\nthreads is 0: give 1 to 1024, or leave it out for all cores\nbodies.drag_coefficient has 1 value, but domain bodies has 3 rows, counted by position: give one value per row\nbodies.charge: row 7 is outside domain bodies, which has 3 rows, counted from 0\nbodies.mass is given twice: keep one\nsprings.ends links to domain bodys, which does not exist; did you mean bodies?\nsprings.stiffness is given in N, but it is measured in N/m: give it in a unit of that dimension",
     )]);
     let laws = moving().law(Motion).law(Weight.every(0)).law(Drag.on("stars")).observe("bodies", Colour).step(0.0);
     check(&[(
         built(laws.law(set("rigid", Mass, Velocity)).require("drug")),
-        "the step is 0 s: give a time above 0\nno law drug; did you mean drag?\nweight is to be evaluated every 0 steps: give at least 1\nbodies has no property colour: give it as a column, or observe it where a law computes it\ndrag stands on domain stars, which does not exist: add the domain\nmotion is given twice on domain bodies: keep one, or give each a label, `.label(\"...\")`\nmotion gives the rate of bodies.velocity, which rigid sets: a state belongs to the integrator, so keep one of the two laws\nrigid sets bodies.velocity, which the client gives: take the column away, or switch rigid off",
+        "the step is 0.0 s: give a finite time above 0\nno law drug; did you mean drag?\nweight is to be evaluated every 0 steps: give at least 1\nbodies has no property colour: give it as a column, or observe it where a law computes it\ndrag stands on domain stars, which does not exist: add the domain\nmotion is given twice on domain bodies: keep one, or give each a label of its own, `.label(\"...\")`\nmotion gives the rate of bodies.velocity, which rigid sets: a state belongs to the integrator, so keep one of the two laws\nrigid sets bodies.velocity, which the client gives: take the column away, or switch rigid off",
     )]);
     let faults = moving().law(Weight.every(0)).law(Drag.on("stars")).build().unwrap_err();
     assert_eq!(faults.len(), 2);

@@ -117,14 +117,14 @@ fn a_law_made_at_run_time_gives_the_bits_of_a_derived_one() {
             force[c] = (0.0 - row[c]) * row[3];
         }
     });
-    let motion = DynLaw::new("motion").reads(Velocity).reads(Force).reads(Mass).rates(Position).rates(Velocity).body(
-        |row, rates| {
-            rates[..3].copy_from_slice(&row[..3]);
-            for c in 0..3 {
-                rates[3 + c] = row[3 + c] / row[6];
-            }
-        },
-    );
+    let motion = DynLaw::new("motion").reads(Velocity).reads(Force).reads(Mass);
+    let motion = motion.rates_from(Position, &[Velocity.info()]).rates_from(Velocity, &[Force.info(), Mass.info()]);
+    let motion = motion.body(|row, rates| {
+        rates[..3].copy_from_slice(&row[..3]);
+        for c in 0..3 {
+            rates[3 + c] = row[3 + c] / row[6];
+        }
+    });
     let weight = DynLaw::new("weight").reads(Mass).scene(GravityAcceleration).adds(Force).body(|row, force| {
         for c in 0..3 {
             force[c] = row[1 + c] * row[0];

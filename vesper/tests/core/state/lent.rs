@@ -79,3 +79,15 @@ fn rows_come_and_go_in_lent_vectors_too() {
     engine.advance(1.0).unwrap();
     assert_eq!((position.read().len(), position.read()[0][0], position.read()[50]), (51, 7.0, [7.0; 3]));
 }
+
+#[test]
+fn memory_is_not_lent_to_a_second_column_later() {
+    let memory = Lent::new(vec![[0.0; 3]]);
+    let mut state = State::<f64>::new([Domain::new("bodies").lend(Memory, &memory)], []).unwrap();
+    let again = state.add_columns(Domain::new("bodies").lend(Trace, &memory)).unwrap_err();
+    assert_eq!(
+        again.to_string(),
+        "bodies.trace is the client's own memory, which cannot be lent twice: it is lent to bodies.memory already: \
+         lend each column memory of its own"
+    );
+}

@@ -5,6 +5,8 @@ mod composed;
 mod data;
 mod laws;
 mod lent;
+mod looks;
+mod reach;
 mod rows;
 mod time;
 
