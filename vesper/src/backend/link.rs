@@ -3,6 +3,7 @@
 //! With threads the shares are stored first, and every row gathers its own in that same order: the same bits.
 
 use super::pointers::MAX_SLOTS;
+use super::within::Within;
 use super::{Compiled, Kernel};
 use crate::law::{Declared, LinkFamily, LinkLaw, Place, Signature, Sink, Source};
 use crate::real::{Isa, Lanes, Real, Scalar, WithLanes};
@@ -189,7 +190,14 @@ impl<P: Scalar, F: LinkFamily<N>, const N: usize> Task<'_, P, F, N> {
 
     #[inline(always)]
     fn load<R: Lanes<P>>(&self, link: usize) -> (RowOf<F, R, N>, [EndOf<F, R, N>; N]) {
-        let at = |end| Gathered::<P, N> { call: self.call, ends: const { end_slots(&F::SIGNATURE) }, link, end };
+        let at = |end| {
+            Within::<_, F>::new(Gathered::<P, N> {
+                call: self.call,
+                ends: const { end_slots(&F::SIGNATURE) },
+                link,
+                end,
+            })
+        };
         let row = <F::Kernel<R> as Declared<R>>::load(&at(0));
         let ends = core::array::from_fn(|end| <F::Kernel<R> as Declared<R>>::load_end(&at(end)));
         (row, ends)

@@ -10,6 +10,7 @@ mod link;
 mod pair;
 mod pointers;
 mod row;
+mod within;
 
 pub use column::column;
 pub use link::link;

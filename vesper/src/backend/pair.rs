@@ -4,6 +4,7 @@
 //! or on the number of threads.
 
 use super::pointers::{MAX_SLOTS, Rows, RowsMut, SUMS, Slots, Splat, StoreAll, Sums, slot_count, slots_at};
+use super::within::Within;
 use super::{Compiled, Kernel};
 use crate::law::{Declared, PairFamily, PairLaw, Place, Signature};
 use crate::real::{Isa, Lanes, Scalar, WithLanes};
@@ -68,7 +69,8 @@ impl<P: Scalar, F: PairFamily> PairKernel<P> for F {
         let slots = unsafe { Task::<P, F>::slots(call) };
         let law = self.kernel::<P>();
         // SAFETY: the caller promises the rows.
-        let load = |row| unsafe { <F::Kernel<P> as Declared<P>>::load(&Rows::<P>::new(&slots, row)) };
+        let load =
+            |row| unsafe { <F::Kernel<P> as Declared<P>>::load(&Within::<_, F>::new(Rows::<P>::new(&slots, row))) };
         let mut energy = 0.0;
         for i in 0..call.rows {
             let row = load(i);
@@ -105,7 +107,7 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
     #[inline(always)]
     fn sum<R: Lanes<P>>(law: &F::Kernel<R>, slots: &Slots<P>, i: usize, rows: usize) {
         // SAFETY: `PairKernel::run` was promised the rows; the same for all blocks here.
-        let source = unsafe { Rows::<P>::new(slots, i) };
+        let source = Within::<_, F>::new(unsafe { Rows::<P>::new(slots, i) });
         let row_i = <F::Kernel<R> as Declared<R>>::load(&source);
         let mut sums = Sums::zero(Self::FIRST);
         Self::sum_others(law, slots, row_i, &mut sums, 0..i);
@@ -122,7 +124,7 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
     #[inline(always)]
     fn share<R: Lanes<P>>(law: &F::Kernel<R>, slots: &Slots<P>, row_i: RowOf<F, R>, j: usize) -> Sums<R> {
         // SAFETY: see above.
-        let row_j = <F::Kernel<R> as Declared<R>>::load(&unsafe { Splat::new(slots, j) });
+        let row_j = <F::Kernel<R> as Declared<R>>::load(&Within::<_, F>::new(unsafe { Splat::new(slots, j) }));
         let mut share = Sums::zero(Self::FIRST);
         <F::Kernel<R> as Declared<R>>::store(law.pair(row_i, row_j), &mut share);
         share
@@ -191,12 +193,12 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
     #[inline(always)]
     fn sum_one(law: &F::Kernel<P>, slots: &Slots<P>, i: usize, rows: usize) {
         // SAFETY: `PairKernel::run` was promised the rows; the same for all blocks here.
-        let source = unsafe { Rows::<P>::new(slots, i) };
+        let source = Within::<_, F>::new(unsafe { Rows::<P>::new(slots, i) });
         let row_i = <F::Kernel<P> as Declared<P>>::load(&source);
         let mut sums = Sums::zero(Self::FIRST);
         for j in (0..i).chain(i + 1..rows) {
             // SAFETY: see above.
-            let row_j = <F::Kernel<P> as Declared<P>>::load(&unsafe { Rows::<P>::new(slots, j) });
+            let row_j = <F::Kernel<P> as Declared<P>>::load(&Within::<_, F>::new(unsafe { Rows::<P>::new(slots, j) }));
             <F::Kernel<P> as Declared<P>>::store(law.pair(row_i, row_j), &mut sums);
         }
         // SAFETY: see above.

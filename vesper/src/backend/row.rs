@@ -4,6 +4,7 @@ use super::pointers::{
     AdvanceAll, AdvanceCoordinates, AdvanceMomenta, KickDrift, RateRule, Rows, RowsMut, Slots, StoreAll,
     StoreCoordinates, StoreFirst, StoreMomenta, slot_count, slots_at, wants,
 };
+use super::within::Within;
 use super::{Compiled, Kernel};
 use crate::law::{Declared, Mode, Part, Place, RowFamily, RowLaw, Signature, Source};
 use crate::real::{Isa, Lanes, Scalar, WithLanes, prefetch};
@@ -91,7 +92,7 @@ impl<P: Scalar, F: RowFamily> RowKernel<P> for F {
         let law = self.kernel::<P>();
         let energy = (0..call.rows).map(|row| {
             // SAFETY: the caller promises the rows.
-            let source = unsafe { Rows::<P>::new(&slots, row) };
+            let source = Within::<_, F>::new(unsafe { Rows::<P>::new(&slots, row) });
             law.energy(<F::Kernel<P> as Declared<P>>::load(&source)).to_f64()
         });
         Some(energy.sum())
@@ -141,10 +142,10 @@ impl<P: Scalar, F: RowFamily, Rule: RateRule, const UNIFORM: bool> Task<'_, P, F
     #[inline(always)]
     fn part<R: Lanes<P>, Part: RateRule>(law: &F::Kernel<R>, slots: &Slots<P>, row: usize, step: R) {
         // SAFETY: `RowKernel::run` was promised the rows; all loads of a row come before its stores.
-        let source = unsafe { Masked::<P, F, Part, UNIFORM>::new(slots, row) };
+        let source = Within::<_, F>::new(unsafe { Masked::<P, F, Part, UNIFORM>::new(slots, row) });
         let output = law.row(<F::Kernel<R> as Declared<R>>::load(&source));
         // SAFETY: as above.
-        let mut sink = unsafe { RowsMut::<P, R, Part>::new(slots, row, step) };
+        let mut sink = Within::<_, F>::new(unsafe { RowsMut::<P, R, Part>::new(slots, row, step) });
         <F::Kernel<R> as Declared<R>>::store(output, &mut sink);
     }
 }

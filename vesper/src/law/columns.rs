@@ -42,8 +42,11 @@ impl<'a, P: Scalar> ColumnAccess<'a, P> {
     }
 
     /// The values of a port.
+    ///
+    /// # Panics
+    /// The port's property is of another kind.
     pub fn slice<Q: Property<Kind: Numeric>>(&self, port: usize) -> Slice<'a, Q, P> {
-        Slice { view: self.ports[port], marker: PhantomData }
+        Slice { view: self.view::<Q>(port), marker: PhantomData }
     }
 
     /// The values of a port, where there are any.
@@ -52,13 +55,23 @@ impl<'a, P: Scalar> ColumnAccess<'a, P> {
     }
 
     /// The values of a port, to change.
+    ///
+    /// # Panics
+    /// The port's property is of another kind.
     pub fn slice_mut<Q: Property<Kind: Numeric>>(&self, port: usize) -> SliceMut<'a, Q, P> {
-        SliceMut { view: self.ports[port], marker: PhantomData }
+        SliceMut { view: self.view::<Q>(port), marker: PhantomData }
+    }
+
+    fn view<Q: Property<Kind: Numeric>>(&self, port: usize) -> PortView<P> {
+        let view = self.ports[port];
+        let there = view.components.iter().take_while(|component| !component.is_null()).count();
+        assert!(view.rows == 0 || there >= Q::INFO.kind.width(), "port {port} is no {}", Q::NAME);
+        view
     }
 
     /// A constant of the scene.
     pub fn constant<Q: Property<Kind: Numeric>>(&self, port: usize) -> ValueOf<Q, P> {
-        value::<Q, P>(&self.ports[port], 0)
+        value::<Q, P>(&self.view::<Q>(port), 0)
     }
 
     /// A constant of the scene, where there is one.

@@ -353,8 +353,10 @@ impl<P: Scalar, R: Lanes<P>> Work<P, R> {
         let slots = &call.slots[..layout.count];
         let [nothing, zeros] = absent;
         nothing.fill(P::from_f64(NOTHING));
+        // Once each: another borrow would take the pointers' right to look.
+        let (nothing, zeros) = (nothing.as_mut_ptr(), zeros.as_mut_ptr());
         let mut work = Work {
-            pointers: [zeros.as_mut_ptr(); REGISTERS],
+            pointers: [zeros; REGISTERS],
             numbers: [R::lit(0.0); REGISTERS],
             present: call.fixed.present,
             uniform: call.fixed.uniform,
@@ -365,8 +367,8 @@ impl<P: Scalar, R: Lanes<P>> Work<P, R> {
             let kind = layout.kinds[register];
             work.pointers[register] = match kind {
                 _ if !slots[register].is_null() => slots[register],
-                Register::Sum => nothing.as_mut_ptr(),
-                _ => zeros.as_mut_ptr(),
+                Register::Sum => nothing,
+                _ => zeros,
             };
             let is_number = matches!(kind, Register::Constant | Register::OptionalConstant);
             if is_number || PLAIN && kind == Register::Field {

@@ -3,6 +3,7 @@
 mod checkpoint;
 mod composed;
 mod data;
+mod hand_written;
 mod laws;
 mod lent;
 mod looks;
