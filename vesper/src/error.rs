@@ -72,7 +72,9 @@ pub enum Fault {
     #[error("{place}: {reason}")]
     Unit { place: String, unit: String, reason: String },
     #[error(
-        "{domain}.{property} is given in {given}, but it is measured in {expected}: give it in a unit of that dimension"
+        "{domain}.{property} is given in {}, but it is measured in {}: give it in a unit of that dimension",
+        in_words(given),
+        in_words(expected)
     )]
     Dimension { domain: String, property: String, given: String, expected: String },
     #[error("{domain}.{property} is a {expected}, but it is {given}: give {mend}")]
@@ -126,6 +128,8 @@ pub enum Fault {
     DomainTwice { domain: String },
     #[error("field {field} is given twice: keep one")]
     FieldTwice { field: String },
+    #[error("field {field} is {value} everywhere: give finite numbers")]
+    FieldNotFinite { field: String, value: f64 },
     #[error("field {field} is declared as a {kind}, but a field gives vectors: declare the property as a vector")]
     FieldKind { field: String, kind: String },
     #[error("domain {domain} does not exist{}", hint(nearest, "add it to the builder"))]
@@ -237,8 +241,13 @@ fn hint(nearest: &Option<String>, otherwise: &str) -> String {
     nearest.as_ref().map_or_else(|| format!(": {otherwise}"), |name| format!("; did you mean {name}?"))
 }
 
+/// A unit, or what the empty text says.
+fn in_words(unit: &str) -> &str {
+    if unit.is_empty() { "no unit" } else { unit }
+}
+
 /// "1 row", "2 rows"
-fn counted(count: usize, what: &str) -> String {
+pub(crate) fn counted(count: usize, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
 

@@ -3,6 +3,7 @@
 use super::Pipeline;
 use super::bind::{BoundPass, Pass};
 use super::plan::Key;
+use crate::error::counted;
 use crate::integrate::{Integrator, Part};
 use crate::law::{Place, Shape};
 use crate::real::Scalar;
@@ -80,8 +81,11 @@ impl<P: Scalar> Pipeline<P> {
         let all = state.domains[seat.domain].rows;
         let rows = seat.rows.as_ref().map_or(all, Vec::len);
         let domain = &state.domains[seat.domain].name;
-        let on =
-            if rows == all { format!("{rows} rows of {domain}") } else { format!("{rows} of {all} rows of {domain}") };
+        let on = if rows == all {
+            format!("{} of {domain}", counted(rows, "row"))
+        } else {
+            format!("{rows} of {} of {domain}", counted(all, "row"))
+        };
         let work = match entry.shape {
             Shape::Pair => format!(", {} pairs", rows * rows.saturating_sub(1) / 2),
             Shape::Row | Shape::Link | Shape::Column => String::new(),

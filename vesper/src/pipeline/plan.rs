@@ -1,6 +1,7 @@
 //! What is asked, as a list of operations over named places; no pointer yet.
 
 use super::Pipeline;
+use crate::error::counted;
 use crate::graph::{Graph, wanted_inputs};
 use crate::law::{Mode, Part, Place, Shape};
 use crate::real::Scalar;
@@ -481,7 +482,7 @@ pub(crate) fn prune<P: Scalar>(
         let rows = seat.rows.as_ref().map_or(state.domains[seat.domain].rows, Vec::len);
         let saving = match entries[seat.law].shape {
             Shape::Pair => format!("{} pairs", rows * rows.saturating_sub(1) / 2),
-            Shape::Row | Shape::Link | Shape::Column => format!("{rows} rows"),
+            Shape::Row | Shape::Link | Shape::Column => counted(rows, "row"),
         };
         pruned.push((seat.law, Status::Pruned { results, saving }));
     }

@@ -3,6 +3,7 @@
 use super::seat::Placed;
 use super::{Entry, Registry, Tie};
 use crate::domain::SCENE;
+use crate::error::counted;
 use crate::property::{Property, Time};
 use crate::real::Scalar;
 use crate::state::State;
@@ -113,7 +114,7 @@ impl fmt::Display for LawReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} is {}", self.label, self.status.word())?;
         match &self.status {
-            Status::Active { rows } => write!(f, " on {rows} rows of {}", self.domain),
+            Status::Active { rows } => write!(f, " on {} of {}", counted(*rows, "row"), self.domain),
             Status::Dormant(why) => write!(f, ": {why}"),
             Status::Pruned { results, saving } => {
                 let results = results.join(", ");
@@ -141,13 +142,9 @@ impl Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for law in &self.laws {
-            writeln!(f, "{law}")?;
-        }
-        for unused in &self.unused {
-            writeln!(f, "{unused} is unused: no running law touches it")?;
-        }
-        Ok(())
+        let laws = self.laws.iter().map(ToString::to_string);
+        let unused = self.unused.iter().map(|unused| format!("{unused} is unused: no running law touches it"));
+        f.write_str(&laws.chain(unused).collect::<Vec<_>>().join("\n"))
     }
 }
 

@@ -7,7 +7,7 @@ use crate::domain::{AsProperty, Domain, Given, GivenValues, SCENE};
 use crate::error::{Fault, Faults, nearest, per_row};
 use crate::field::Field;
 use crate::property::{Kind, PropertyInfo, Time};
-use crate::real::Scalar;
+use crate::real::{Scalar, Vector};
 use std::sync::Arc;
 
 impl<P: Scalar> State<P> {
@@ -97,6 +97,10 @@ impl<P: Scalar> State<P> {
             if kept.iter().any(|(other, _)| other.name == property.name) {
                 faults.push(Fault::FieldTwice { field: property.name.to_owned() });
             } else {
+                let value = field.uniform().map(|value| [value.x(), value.y(), value.z()]);
+                if let Some(number) = value.into_iter().flatten().find(|number| !number.is_finite()) {
+                    faults.push(Fault::FieldNotFinite { field: property.name.to_owned(), value: number.to_f64() });
+                }
                 kept.push((property, field));
             }
         }

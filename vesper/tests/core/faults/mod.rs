@@ -89,6 +89,10 @@ fn mistakes_in_settings() {
         ),
         (advanced(1e300), "a frame of 1e300 s in steps of 1e-1 s is more steps than can be counted: take longer steps"),
         (built(moving().threads(100_000)), "threads is 100000: give 1 to 1024, or leave it out for all cores"),
+        (
+            built(moving().field(ElectricField, Uniform { value: [0.0, f64::NAN, 0.0] })),
+            "field electric_field is NaN everywhere: give finite numbers",
+        ),
         (built(moving().threads(0)), "threads is 0: give 1 to 1024, or leave it out for all cores"),
         (switched("motoin"), "no law motoin; did you mean motion?"),
         (switched("x"), "no law x: list it in the builder"),
