@@ -235,12 +235,14 @@ fn kernels_of_every_shape() {
                 "impl ::vesper::law::RowFamily for Motion { type Kernel<T: ::vesper::real::Real> = Motion;",
                 "const ENERGY: bool = true;",
                 "::vesper::backend::row::<f64, Self>(self)",
+                "::core::assert!(<Motion as ::vesper::law::Law>::SIGNATURE.parameters.is_empty(),
+                 \"law `Motion` has parameters, so it has a type of numbers: write `for Motion<T>`\")",
             ],
         ),
         ("impl<R: Real> LinkLaw<R> for Spring {}", &["LinkFamily<2> for Spring", "backend::link::<f64, Self, 2>(self)"]),
         ("impl<R: Real> LinkLaw<R, 3> for a::Face<R> {}", &["LinkFamily<3> for a::Face<f64>", "link::<f64, Self, 3>(self)"]),
         (
-            "impl<P: Scalar> ColumnLaw<P> for Contact<P> { fn columns(&self) {} }",
+            "impl<P: Precision> ColumnLaw<P> for Contact<P> { fn columns(&self) {} }",
             &[
                 "{ fn columns(&self) {} }",
                 "impl ::vesper::law::ColumnFamily for Contact<f64> { type Kernel<P: ::vesper::real::Scalar> = Contact<P>;

@@ -319,7 +319,7 @@ fn wrong_kernels() {
         (
             "",
             "impl<P> ColumnLaw for Drag<P> {}",
-            &once.replace("R: Real", "P: Scalar").replace("RowLaw<R>", "ColumnLaw<P>"),
+            &once.replace("R: Real", "P: Precision").replace("RowLaw<R>", "ColumnLaw<P>"),
         ),
         ("", "impl<R: Real> RowLaw<R> for Drag<f64> {}", named),
         ("", "impl<R: Real> RowLaw<R> for [R; 3] {}", named),
