@@ -88,7 +88,7 @@ fn expand(item: &mut ItemImpl) -> syn::Result<TokenStream> {
     let (compile_f32, compile_f64) = (compile(quote!(f32)), compile(quote!(f64)));
     let stepped = stepped(shape, &trait_segment, &concrete);
     let energy = (shape != Shape::Column).then(|| quote!(const ENERGY: bool = #energy;));
-    let unnamed_number = unnamed_number(&concrete, &number);
+    let checks = [unnamed_number(&concrete, &number), link_of(&trait_segment, &concrete, &number, &ends)];
     Ok(quote! {
         #[automatically_derived]
         impl ::vesper::law::#family for #concrete {
@@ -110,7 +110,7 @@ fn expand(item: &mut ItemImpl) -> syn::Result<TokenStream> {
             }
         }
         #stepped
-        #unnamed_number
+        #(#checks)*
     })
 }
 
@@ -122,6 +122,23 @@ fn unnamed_number(concrete: &Path, number: &Ident) -> Option<TokenStream> {
     Some(quote_spanned! {name.span()=>
         const _: () =
             ::core::assert!(<#concrete as ::vesper::law::Law>::SIGNATURE.parameters.is_empty(), #text);
+    })
+}
+
+/// For a link law: that it gets as many rows as its link holds. As an item, it errs where the code is only checked.
+fn link_of(trait_segment: &PathSegment, concrete: &Path, number: &Ident, ends: &TokenStream) -> Option<TokenStream> {
+    let name = &concrete.segments.last().filter(|_| trait_segment.ident == "LinkLaw")?.ident;
+    let text = format!(
+        "law `{name}` does not get as many rows as its link holds: write that number in `LinkLaw<{number}, N>`"
+    );
+    Some(quote_spanned! {trait_segment.ident.span()=>
+        const _: () = ::core::assert!(
+            match <#concrete as ::vesper::law::Law>::SIGNATURE.link {
+                ::core::option::Option::Some(link) => link.kind.width() == #ends,
+                ::core::option::Option::None => true,
+            },
+            #text
+        );
     })
 }
 

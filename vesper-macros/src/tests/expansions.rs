@@ -240,7 +240,16 @@ fn kernels_of_every_shape() {
             ],
         ),
         ("impl<R: Real> LinkLaw<R> for Spring {}", &["LinkFamily<2> for Spring", "backend::link::<f64, Self, 2>(self)"]),
-        ("impl<R: Real> LinkLaw<R, 3> for a::Face<R> {}", &["LinkFamily<3> for a::Face<f64>", "link::<f64, Self, 3>(self)"]),
+        (
+            "impl<R: Real> LinkLaw<R, 3> for a::Face<R> {}",
+            &[
+                "LinkFamily<3> for a::Face<f64>",
+                "link::<f64, Self, 3>(self)",
+                "match <a::Face<f64> as ::vesper::law::Law>::SIGNATURE.link {
+                 ::core::option::Option::Some(link) => link.kind.width() == 3,",
+                "\"law `Face` does not get as many rows as its link holds: write that number in `LinkLaw<R, N>`\"",
+            ],
+        ),
         (
             "impl<P: Precision> ColumnLaw<P> for Contact<P> { fn columns(&self) {} }",
             &[
