@@ -326,19 +326,20 @@ fn signature_parameter(member: &Member) -> Option<TokenStream> {
     })
 }
 
-/// A field from the next of the flattened values.
+/// A field from the next of the flattened values; where they end, from its default, or NaN: a number that shows.
 fn from_values(member: &Member, component: &mut usize) -> TokenStream {
-    let first = *component;
     match member {
-        Member::Parameter { name, vector: false, .. } => {
-            *component += 1;
-            quote!(#name: values[#first],)
-        }
-        Member::Parameter { name, .. } => {
-            *component += 3;
-            let (second, third) = (first + 1, first + 2);
+        Member::Parameter { name, vector, default, .. } => {
+            let width = if *vector { 3 } else { 1 };
+            let values = (0..width).map(|offset| {
+                let number = *component + offset;
+                let missing = default.as_ref().map_or(quote!(f64::NAN), |default| literal(default.value[offset]));
+                quote!(values.get(#number).copied().unwrap_or(#missing))
+            });
             let new = new_vector();
-            quote!(#name: #new(values[#first], values[#second], values[#third]),)
+            let value = if *vector { quote!(#new(#(#values),*)) } else { quote!(#(#values)*) };
+            *component += width;
+            quote!(#name: #value,)
         }
         Member::Kept { name } | Member::Fresh { name } => quote!(#name: ::core::default::Default::default(),),
     }

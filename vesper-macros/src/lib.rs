@@ -48,7 +48,8 @@ use proc_macro2::TokenStream;
 ///
 /// On a field: `#[law(unit = "m", default = 0.0)]` for a parameter (`R`, or `R::Vec3` with a default `[x, y, z]`; for
 /// that the struct says `R: Real = f64`), and `#[law(skip)]` for what is no parameter. A skipped field is cloned into
-/// each body; where its type depends on `R`, it is made by `Default`.
+/// each body; where its type depends on `R`, it is made by `Default`. What a list of parameters
+/// (`Law::from_parameters`) leaves out has its default; a parameter without one is NaN then, so that it shows.
 ///
 /// For a law `Gravity` this makes `GravityRow` (what a body gets of a row), `GravityEnd` (of a row linked to),
 /// `GravityOutput` and `GravityEndOutput` (what it gives, where that is more than one value) and `GravityColumns`

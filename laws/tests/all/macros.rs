@@ -80,3 +80,32 @@ fn laws_made_by_a_macro_run() {
     let force = engine.state().values("bodies", Force).unwrap();
     assert_eq!(force, [DVec3::X * (2.0 + 4.0 + 40.0 + 5.0), DVec3::X * (8.0 + 1.0 + 5.0)]);
 }
+
+/// A push with and without a declared strength.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(reads(mass: Mass), adds(force: Force))]
+struct Push<R: Real = f64> {
+    /// Where to.
+    #[law(unit = "N/kg", default = [1.0, 2.0, 3.0])]
+    direction: R::Vec3,
+    /// How strong.
+    #[law(unit = "1")]
+    strength: R,
+}
+
+#[kernel]
+impl<R: Real> RowLaw<R> for Push<R> {
+    fn row(&self, row: PushRow<R>) -> R::Vec3 {
+        self.direction * (self.strength * row.mass)
+    }
+}
+
+#[test]
+fn parameters_that_are_not_given_have_their_defaults_or_show() {
+    let none = Push::from_parameters(&[]);
+    assert!(none.direction == DVec3::new(1.0, 2.0, 3.0) && none.strength.is_nan());
+    let some = Push::from_parameters(&[4.0, 5.0]);
+    assert!(some.direction == DVec3::new(4.0, 5.0, 3.0) && some.strength.is_nan());
+    let all = Push::from_parameters(&[4.0, 5.0, 6.0, 7.0, 8.0]);
+    assert!(all.direction == DVec3::new(4.0, 5.0, 6.0) && all.strength == 7.0);
+}
