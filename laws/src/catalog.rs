@@ -77,6 +77,7 @@ impl StockLaw {
 pub fn stock_laws() -> &'static [StockLaw] {
     const LAWS: &[StockLaw] = &[
         StockLaw::of::<Coulomb>(),
+        StockLaw::of::<Damper>(),
         StockLaw::of::<Drag>(),
         StockLaw::of::<EinsteinInfeldHoffmann>(),
         StockLaw::of::<ElectricForce>(),

@@ -42,6 +42,7 @@ macro_rules! laws {
 }
 laws! {
     coulomb,
+    damper,
     drag,
     einstein_infeld_hoffmann,
     electric_force,

@@ -1,7 +1,7 @@
 //! One mass on a spring whose other end is fixed.
 
 use super::{BODIES, Phase, Problem};
-use crate::{Motion, Spring};
+use crate::{Damper, Motion, Spring};
 use vesper::prelude::*;
 
 /// A mass on a spring along x, damped or not; row 0 is the fixed end, row 1 the mass.
@@ -42,9 +42,9 @@ impl Problem for Oscillator {
             .link(Ends, BODIES, [[0, 1]])
             .with(Stiffness, [self.stiffness])
             .with(RestLength, [self.rest_length]);
-        // Without damping the property is left out: a force that reads a velocity costs leapfrog an evaluation.
+        // Without damping the property is left out, and the damper dormant: it costs leapfrog an evaluation per step.
         let springs = if self.damping == 0.0 { springs } else { springs.with(Damping, [self.damping]) };
-        builder.domain(bodies).domain(springs).law(Spring).law(Motion)
+        builder.domain(bodies).domain(springs).law(Spring).law(Damper).law(Motion)
     }
 
     fn exact(&self, time: f64) -> Option<Vec<Phase>> {

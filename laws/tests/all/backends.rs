@@ -189,6 +189,7 @@ fn everything() -> Vec<(&'static StockLaw, &'static str)> {
         ("kinematics", "planets"),
         ("newtonian_field", "planets"),
         ("post_newtonian", "planets"),
+        ("damper", "springs"),
         ("spring", "springs"),
     ];
     scene.map(|(name, domain)| (stock_law(name).unwrap(), domain)).to_vec()
