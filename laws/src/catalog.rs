@@ -22,21 +22,19 @@ impl core::fmt::Debug for StockLaw {
     }
 }
 
-/// The precisions in which a stock law can be made: `f32` and `f64`.
-pub trait CatalogPrecision: vesper::real::Scalar {
-    /// The law with these components of its parameters.
-    fn compile(law: &StockLaw, parameters: &[f64]) -> Compiled<Self>;
-}
+/// The precisions of a stock law are those of an engine.
+pub use vesper::real::Scalar as CatalogPrecision;
 
-impl CatalogPrecision for f32 {
-    fn compile(law: &StockLaw, parameters: &[f64]) -> Compiled<f32> {
-        (law.single)(parameters)
+/// A stock law with the components of its parameters.
+struct Given<'a>(&'a StockLaw, &'a [f64]);
+
+impl Compile for Given<'_> {
+    fn compile_f32(&self) -> Compiled<f32> {
+        (self.0.single)(self.1)
     }
-}
 
-impl CatalogPrecision for f64 {
-    fn compile(law: &StockLaw, parameters: &[f64]) -> Compiled<f64> {
-        (law.double)(parameters)
+    fn compile_f64(&self) -> Compiled<f64> {
+        (self.0.double)(self.1)
     }
 }
 
@@ -44,19 +42,15 @@ impl StockLaw {
     const fn of<L: Law + Compile>() -> Self {
         StockLaw {
             signature: L::SIGNATURE,
-            single: |parameters| L::from_parameters(parameters).compile(),
-            double: |parameters| L::from_parameters(parameters).compile(),
+            single: |parameters| L::from_parameters(parameters).compile_f32(),
+            double: |parameters| L::from_parameters(parameters).compile_f64(),
         }
     }
 
     /// The law made runnable, with the components of its parameters in declared order (a vector is three). Those left
-    /// out at the end have their defaults, or else are 0.
+    /// out at the end have their defaults.
     pub fn compile<P: CatalogPrecision>(&self, parameters: &[f64]) -> Compiled<P> {
-        let mut values = self.default_parameters();
-        for (value, &given) in values.iter_mut().zip(parameters) {
-            *value = given;
-        }
-        P::compile(self, &values)
+        Given(self, parameters).compile()
     }
 
     /// The components of all parameters in declared order, as they are where none is given; 0 where there is no default.
@@ -77,6 +71,7 @@ impl StockLaw {
 pub fn stock_laws() -> &'static [StockLaw] {
     const LAWS: &[StockLaw] = &[
         StockLaw::of::<Coulomb>(),
+        StockLaw::of::<Damper>(),
         StockLaw::of::<Drag>(),
         StockLaw::of::<EinsteinInfeldHoffmann>(),
         StockLaw::of::<ElectricForce>(),

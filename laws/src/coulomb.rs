@@ -9,6 +9,7 @@ use vesper::prelude::*;
 ///
 /// Limits: every pair of charged rows is visited; where only a subset of the rows has charges, only those. Slow charges:
 /// no magnetic part, no retardation, no radiation. Opposite charges without softening are singular where they meet.
+/// In f32 distances lie between 3e-13 m and 7e12 m, for their cubes.
 #[derive(Law, Clone, Copy, Debug)]
 #[law(reads(position: Position, charge: Charge), adds(force: Force))]
 pub struct Coulomb<R = f64> {

@@ -4,7 +4,7 @@ use vesper::prelude::*;
 ///
 /// Equation: F = m g(x, t).
 ///
-/// Source: Binney, Tremaine, Galactic Dynamics, 2nd ed., eq. 2.1 and 2.2: force is mass times the field.
+/// Source: Binney, Tremaine, Galactic Dynamics, 2nd ed., sec. 2.1: force is mass times the field.
 ///
 /// Limits: the bodies do not act back on what makes the field, so momentum is not conserved. The energy is unknown,
 /// because a function need not have a potential. A field that jumps costs an error of first order in the step.

@@ -9,8 +9,9 @@ use vesper::prelude::*;
 /// eq. 2.44a. G: CODATA 2022.
 ///
 /// Limits: every pair is visited, n^2 work. Without softening singular where two rows meet; with it the force is that of
-/// a Plummer sphere of radius s, too weak within a few s. Slow motion in weak fields; see `post_newtonian`. In f32 keep
-/// distances within 1e12 m and forces below 1e38 N, or use other units of mass and length.
+/// a Plummer sphere of radius s, too weak within a few s. Slow motion in weak fields; see `post_newtonian`. In f32 the
+/// product G m_i m_j comes first and must stay below 3e38 N m^2: that of Sun and Earth is 8e44 N m^2, so take
+/// `gravity_by_parameter`, or other units. Distances lie between 3e-13 m and 7e12 m, for their cubes.
 #[derive(Law, Clone, Copy, Debug)]
 #[law(reads(position: Position, mass: Mass), adds(force: Force))]
 pub struct Gravity<R = f64> {
@@ -72,5 +73,20 @@ mod tests {
         assert_eq!(law.pair(row(0.0, 5.0), row(4.0, 7.0)), DVec3::X * (4.0 * (2.0 * 5.0 * 7.0 / 125.0)));
         assert_eq!(law.energy(row(0.0, 5.0), row(4.0, 7.0)), -2.0 * 5.0 * 7.0 / 5.0);
         assert_eq!(law.pair(row(1.0, 5.0), row(1.0, 7.0)), DVec3::ZERO);
+    }
+
+    #[test]
+    fn the_product_of_the_masses_bounds_f32() {
+        let law = Gravity::<f32> { g: 6.674_30e-11, softening: 0.0 };
+        let force = |masses: [f32; 2], distance: f32| {
+            let row = |x: f32, mass: f32| GravityRow::<f32> { position: Vec3::new(x, 0.0, 0.0), mass };
+            law.pair(row(0.0, masses[0]), row(distance, masses[1])).x
+        };
+        // Sun and Earth are beyond it; 4e48 kg^2 are not.
+        assert!(force([1.988e30, 5.972e24], 1.496e11).is_infinite());
+        assert!((force([2e24, 2e24], 6.9e12) / 5.607_477e12 - 1.0).abs() < 1e-6);
+        // The cube of the distance near its least, and beyond its largest.
+        assert!((force([1.0, 1.0], 3e-13) / 7.415_889e14 - 1.0).abs() < 1e-6);
+        assert_eq!(force([1.0, 1.0], 7.1e12), 0.0);
     }
 }

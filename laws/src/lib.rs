@@ -24,6 +24,11 @@
 #[doc = include_str!("../../README.md")]
 struct FrontPage;
 
+/// The examples of `derive(Law)`, whose own crate cannot run them.
+#[cfg(doctest)]
+#[doc = include_str!("../../vesper-macros/src/law.md")]
+struct Declarations;
+
 pub mod catalog;
 pub mod invariants;
 pub mod reference;
@@ -37,6 +42,7 @@ macro_rules! laws {
 }
 laws! {
     coulomb,
+    damper,
     drag,
     einstein_infeld_hoffmann,
     electric_force,

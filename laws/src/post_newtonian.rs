@@ -9,7 +9,8 @@ use vesper::prelude::*;
 ///
 /// Limits: one centre, far heavier than all else, and speeds far below that of light. Left out are the other bodies'
 /// own terms (of order GM_j / GM), the rotation of the centre, and everything of second order. Its energy is not told:
-/// with it the Newtonian energy oscillates by v^2 / c^2 of itself. Add it to `gravity_by_parameter`.
+/// with it the Newtonian energy oscillates by v^2 / c^2 of itself. Add it to `gravity_by_parameter`. In f32 it fades out
+/// where GM / (c^2 r^3) falls below 1e-38 1/m^2: 5e13 m from the Sun.
 #[derive(Law, Clone, Copy, Debug)]
 #[law(
     reads(position: Position, velocity: Velocity, parameter: StandardGravitationalParameter),

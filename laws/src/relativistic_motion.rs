@@ -7,7 +7,8 @@ use vesper::prelude::*;
 /// Source: Landau, Lifshitz, The Classical Theory of Fields, 4th ed., eq. 9.1, 9.4 and 9.8.
 ///
 /// Limits: no radiation, no retardation between the rows. A row of rest mass 0 is immovable, not a photon. Laws that read
-/// the velocity, as `magnetic_force` does, need `relativistic_velocity` too.
+/// the velocity, as `magnetic_force` does, need `relativistic_velocity` too. In f32 rest masses lie between 2e-19 kg and
+/// 1e19 kg, for their squares: elementary particles need other units.
 #[derive(Law, Clone, Copy, Debug)]
 #[law(
     reads(momentum: Momentum, force: Force, rest_mass: RestMass),

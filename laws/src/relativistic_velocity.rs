@@ -7,6 +7,7 @@ use vesper::prelude::*;
 /// Source: Landau, Lifshitz, The Classical Theory of Fields, 4th ed., eq. 9.1 and 9.8.
 ///
 /// Limits: exact. A row of rest mass 0 is immovable: its velocity is 0. The velocity must not be given by the client.
+/// In f32 rest masses as in `relativistic_motion`.
 #[derive(Law, Clone, Copy, Debug)]
 #[law(
     reads(momentum: Momentum, rest_mass: RestMass),

@@ -1,20 +1,17 @@
 use vesper::prelude::*;
 
-/// Hooke's spring between two rows, with a viscous damper along its axis.
+/// Hooke's spring between two rows.
 ///
-/// Equation: F_a = [k (|d| - L) + c (v_b - v_a) . n] n, n = d / |d|, d = x_b - x_a, F_b = -F_a; energy
-/// k (|d| - L)^2 / 2.
+/// Equation: F_a = k (|d| - L) n, n = d / |d|, d = x_b - x_a, F_b = -F_a; energy k (|d| - L)^2 / 2.
 ///
-/// Source: Hooke, De Potentia Restitutiva (1678); with the damper: Witkin, Baraff, Physically Based Modeling (SIGGRAPH
-/// course notes, 2001), Particle System Dynamics, eq. 1.
+/// Source: Hooke, De Potentia Restitutiva (1678).
 ///
-/// Limits: no mass, no bending, no breaking, linear at any strain. The axis of coincident ends is not defined: they feel no
+/// Limits: no mass, no bending, no breaking, linear at any strain. No damping: that is the law `damper`. The axis of coincident ends is not defined: they feel no
 /// force there, which with a rest length above 0 is a point of unstable rest. The step must resolve sqrt(k / m).
 #[derive(Law, Clone, Copy, Debug)]
 #[law(
     reads(stiffness: Stiffness, rest_length: RestLength),
-    reads(damping: Damping, optional),
-    link(ends: Ends, reads(position: Position), reads(velocity: Velocity, optional), adds(force: Force))
+    link(ends: Ends, reads(position: Position), adds(force: Force))
 )]
 pub struct Spring;
 
@@ -25,11 +22,7 @@ impl<R: Real> LinkLaw<R> for Spring {
         let d = b.position - a.position;
         let length = d.length();
         let axis = d * R::select(length.equal(zero), zero, R::lit(1.0) / length);
-        let mut tension = spring.stiffness * (length - spring.rest_length);
-        if let (Some(damping), Some(of_a), Some(of_b)) = (spring.damping, a.velocity, b.velocity) {
-            tension += damping * (of_b - of_a).dot(axis);
-        }
-        let force = axis * tension;
+        let force = axis * (spring.stiffness * (length - spring.rest_length));
         [force, -force]
     }
 
@@ -44,31 +37,26 @@ mod tests {
     use super::*;
     use crate::Motion;
 
-    fn end(position: DVec3, velocity: DVec3) -> SpringEnd<f64> {
-        SpringEnd { position, velocity: Some(velocity) }
-    }
-
     #[test]
-    fn a_stretched_spring_pulls_and_its_damper_brakes_along_the_axis_only() {
-        let spring = SpringRow { stiffness: 100.0, rest_length: 3.0, damping: Some(10.0) };
-        let a = end(DVec3::ZERO, DVec3::ZERO);
-        let b = end(DVec3::new(0.0, 5.0, 0.0), DVec3::new(7.0, -2.0, 1.0));
-        let [on_a, on_b] = Spring.link(spring, [a, b]);
-        assert!((on_a - DVec3::Y * (200.0 - 20.0)).length() < 1e-12, "{on_a}");
+    fn a_stretched_spring_pulls() {
+        let spring = SpringRow { stiffness: 100.0, rest_length: 3.0 };
+        let [a, b] = [DVec3::ZERO, DVec3::new(0.0, 5.0, 0.0)].map(|position| SpringEnd { position });
+        let [on_a, on_b]: [DVec3; 2] = Spring.link(spring, [a, b]);
+        assert!((on_a - DVec3::Y * 200.0).length() < 1e-12, "{on_a}");
         assert_eq!(on_b, -on_a);
         assert_eq!(Spring.energy(spring, [a, b]), 200.0);
     }
 
     #[test]
     fn coincident_ends_feel_nothing() {
-        let spring = SpringRow { stiffness: 100.0, rest_length: 3.0, damping: Some(10.0) };
-        let ends = [end(DVec3::ONE, DVec3::X), end(DVec3::ONE, DVec3::Y)];
+        let spring = SpringRow { stiffness: 100.0, rest_length: 3.0 };
+        let ends = [SpringEnd { position: DVec3::ONE }; 2];
         assert_eq!(Spring.link(spring, ends), [DVec3::ZERO; 2]);
         assert_eq!(Spring.energy(spring, ends), 450.0);
     }
 
     #[test]
-    fn without_damping_it_oscillates_for_ever() {
+    fn it_oscillates_for_ever() {
         // One end fixed, k / m = 4, pulled out by 1: x = 3 + cos 2t.
         let bodies = Domain::new("bodies")
             .with(Position, [[0.0; 3], [4.0, 0.0, 0.0]])

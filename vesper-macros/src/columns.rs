@@ -10,7 +10,7 @@ use syn::Ident;
 use syn::spanned::Spanned;
 
 use crate::check::{Law, is_output};
-use crate::expand::{is_optional, port_doc, value};
+use crate::expand::{is_optional, local, port_doc, value};
 use crate::parse::{Mode, Place, Port};
 
 /// The struct `...Columns` and `vesper::law::DeclaredColumns`.
@@ -18,15 +18,16 @@ pub fn expand(law: &Law) -> TokenStream {
     let (visibility, name, number) = (&law.visibility, law.made("Columns"), law.number());
     let (law_name, owner) = (law.name.to_string(), law.over(&number));
     let doc = format!("Columns of [`{law_name}`] for a column law.");
+    let access = local("access");
     let (mut fields, mut values) = (Vec::new(), Vec::new());
     for (field, column) in columns(law) {
         let (doc, ty, value) = match column {
             Column::Link => {
                 let ty = quote!(::vesper::law::LinkSlice<'a>);
-                ("Rows that each row links to.".to_string(), ty, quote!(access.link()))
+                ("Rows that each row links to.".to_string(), ty, quote!(#access.link()))
             }
             Column::Port(number, port) => {
-                let (ty, value) = port_column(number, port);
+                let (ty, value) = port_column(&access, number, port);
                 (port_doc(port), ty, value)
             }
         };
@@ -51,7 +52,7 @@ pub fn expand(law: &Law) -> TokenStream {
         impl #generics ::vesper::law::DeclaredColumns for #owner {
             type Columns<'a, P: ::vesper::real::Scalar> = #name<'a, P>;
             unsafe fn columns<'a, P: ::vesper::real::Scalar>(
-                access: &::vesper::law::ColumnAccess<'a, P>,
+                #access: &::vesper::law::ColumnAccess<'a, P>,
             ) -> #name<'a, P> {
                 #[allow(unused_unsafe, clippy::undocumented_unsafe_blocks)]
                 // SAFETY: the caller promises that `access` was made for this law's signature.
@@ -68,7 +69,7 @@ enum Column<'a> {
 }
 
 /// The type of a port's field, and the expression that fills it.
-fn port_column(number: usize, port: &Port) -> (TokenStream, TokenStream) {
+fn port_column(access: &Ident, number: usize, port: &Port) -> (TokenStream, TokenStream) {
     let property = &port.property;
     let span = property.span();
     let (ty, take) = if is_output(port) {
@@ -80,7 +81,7 @@ fn port_column(number: usize, port: &Port) -> (TokenStream, TokenStream) {
     };
     let (ty, optional) = if is_optional(port) { (quote!(::core::option::Option<#ty>), "optional_") } else { (ty, "") };
     let take = Ident::new(&format!("{optional}{take}"), span);
-    (ty, quote_spanned!(span=> access.#take::<#property>(#number)))
+    (ty, quote_spanned!(span=> #access.#take::<#property>(#number)))
 }
 
 /// The fields, each with a name of its own.

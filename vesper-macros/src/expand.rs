@@ -205,19 +205,26 @@ fn declared(law: &Law) -> TokenStream {
 /// The name of a function's argument, with `_` before it where no port uses it.
 fn used(name: &str, ports: &[Numbered]) -> Ident {
     let underscore = if ports.is_empty() { "_" } else { "" };
-    format_ident!("{underscore}{name}")
+    local(&format!("{underscore}{name}"))
+}
+
+/// The name of a value within an expansion. Its span is no token's of the declaration: in a law that a `macro_rules!`
+/// makes, such tokens come from several places, and a name from one of them is unknown in another.
+pub fn local(name: &str) -> Ident {
+    Ident::new(name, Span::mixed_site())
 }
 
 /// The expression that loads a row or an end.
 fn load(law: &Law, end: bool) -> TokenStream {
     let (number, ports, name) = (law.number(), law.side(false, end), law.made(if end { "End" } else { "Row" }));
+    let source = used("source", &ports);
     let fields = ports.iter().map(|&(i, port)| {
         let (field, property) = (&port.field, &port.property);
         let read = Ident::new(if is_optional(port) { "read_optional" } else { "read" }, property.span());
         let place = format_ident!("{}", format!("{:?}", port.place));
         quote_spanned! {property.span()=>
             #field: ::vesper::law::#read::<#property, #number, VesperSource>(
-                source, ::vesper::law::Place::#place, #i, SLOTS[#i]
+                #source, ::vesper::law::Place::#place, #i, SLOTS[#i]
             ),
         }
     });
@@ -233,9 +240,9 @@ fn store(law: &Law, end: bool) -> TokenStream {
     let writes = ports.iter().map(|&(i, port)| {
         let (property, field) = (&port.property, &port.field);
         let mode = format_ident!("{}", format!("{:?}", port.mode));
-        let result = if ports.len() == 1 { quote!(output) } else { quote!(output.#field) };
+        let result = if ports.len() == 1 { quote!(#argument) } else { quote!(#argument.#field) };
         quote_spanned! {property.span()=>
-            ::vesper::law::write::<#property, #number, VesperSink>(sink, ::vesper::law::Mode::#mode, SLOTS[#i], #result);
+            ::vesper::law::write::<#property, #number, VesperSink>(#sink, ::vesper::law::Mode::#mode, SLOTS[#i], #result);
         }
     });
     quote! {
@@ -319,19 +326,20 @@ fn signature_parameter(member: &Member) -> Option<TokenStream> {
     })
 }
 
-/// A field from the next of the flattened values.
+/// A field from the next of the flattened values; where they end, from its default, or NaN: a number that shows.
 fn from_values(member: &Member, component: &mut usize) -> TokenStream {
-    let first = *component;
     match member {
-        Member::Parameter { name, vector: false, .. } => {
-            *component += 1;
-            quote!(#name: values[#first],)
-        }
-        Member::Parameter { name, .. } => {
-            *component += 3;
-            let (second, third) = (first + 1, first + 2);
+        Member::Parameter { name, vector, default, .. } => {
+            let width = if *vector { 3 } else { 1 };
+            let values = (0..width).map(|offset| {
+                let number = *component + offset;
+                let missing = default.as_ref().map_or(quote!(f64::NAN), |default| literal(default.value[offset]));
+                quote!(values.get(#number).copied().unwrap_or(#missing))
+            });
             let new = new_vector();
-            quote!(#name: #new(values[#first], values[#second], values[#third]),)
+            let value = if *vector { quote!(#new(#(#values),*)) } else { quote!(#(#values)*) };
+            *component += width;
+            quote!(#name: #value,)
         }
         Member::Kept { name } | Member::Fresh { name } => quote!(#name: ::core::default::Default::default(),),
     }

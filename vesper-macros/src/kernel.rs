@@ -2,7 +2,7 @@
 //! with the family of its instances and the way a backend compiles it.
 
 use proc_macro2::{Span, TokenStream};
-use quote::{ToTokens, quote};
+use quote::{ToTokens, quote, quote_spanned};
 use syn::{AngleBracketedGenericArguments, GenericArgument, GenericParam, Ident, ImplItem, Item, ItemImpl, Path};
 use syn::{PathArguments, PathSegment, Type, parse_quote};
 
@@ -88,6 +88,7 @@ fn expand(item: &mut ItemImpl) -> syn::Result<TokenStream> {
     let (compile_f32, compile_f64) = (compile(quote!(f32)), compile(quote!(f64)));
     let stepped = stepped(shape, &trait_segment, &concrete);
     let energy = (shape != Shape::Column).then(|| quote!(const ENERGY: bool = #energy;));
+    let checks = [unnamed_number(&concrete, &number), link_of(&trait_segment, &concrete, &number, &ends)];
     Ok(quote! {
         #[automatically_derived]
         impl ::vesper::law::#family for #concrete {
@@ -109,6 +110,35 @@ fn expand(item: &mut ItemImpl) -> syn::Result<TokenStream> {
             }
         }
         #stepped
+        #(#checks)*
+    })
+}
+
+/// For a law that is written without its type of numbers: that it has none. Here `Name` may stand for `Name<f64>`, and
+/// only the declaration knows; a law that has parameters has a type of numbers.
+fn unnamed_number(concrete: &Path, number: &Ident) -> Option<TokenStream> {
+    let name = &concrete.segments.last().filter(|last| last.arguments.is_none())?.ident;
+    let text = format!("law `{name}` has parameters, so it has a type of numbers: write `for {name}<{number}>`");
+    Some(quote_spanned! {name.span()=>
+        const _: () =
+            ::core::assert!(<#concrete as ::vesper::law::Law>::SIGNATURE.parameters.is_empty(), #text);
+    })
+}
+
+/// For a link law: that it gets as many rows as its link holds. As an item, it errs where the code is only checked.
+fn link_of(trait_segment: &PathSegment, concrete: &Path, number: &Ident, ends: &TokenStream) -> Option<TokenStream> {
+    let name = &concrete.segments.last().filter(|_| trait_segment.ident == "LinkLaw")?.ident;
+    let text = format!(
+        "law `{name}` does not get as many rows as its link holds: write that number in `LinkLaw<{number}, N>`"
+    );
+    Some(quote_spanned! {trait_segment.ident.span()=>
+        const _: () = ::core::assert!(
+            match <#concrete as ::vesper::law::Law>::SIGNATURE.link {
+                ::core::option::Option::Some(link) => link.kind.width() == #ends,
+                ::core::option::Option::None => true,
+            },
+            #text
+        );
     })
 }
 
@@ -142,7 +172,7 @@ fn stepped(shape: Shape, trait_segment: &PathSegment, concrete: &Path) -> TokenS
 
 /// The one type parameter of the implementation, which is the trait's type of numbers.
 fn number(item: &ItemImpl, trait_segment: &PathSegment, shape: Shape) -> syn::Result<Ident> {
-    let (name, bound) = (&trait_segment.ident, if shape == Shape::Column { "P: Scalar" } else { "R: Real" });
+    let (name, bound) = (&trait_segment.ident, if shape == Shape::Column { "P: Precision" } else { "R: Real" });
     let letter = &bound[..1];
     let text = format!("a kernel is written once for every type of numbers: `impl<{bound}> {name}<{letter}> for ...`");
     let mut parameters = item.generics.params.iter();

@@ -18,43 +18,7 @@ mod tests;
 
 use proc_macro2::TokenStream;
 
-/// Declares a law of physics: what it reads and changes, and its parameters.
-///
-/// ```text
-/// /// Newton's law of universal gravitation between point masses.
-/// #[derive(Law, Clone, Copy, Debug)]
-/// #[law(domain = "bodies", reads(position: Position, mass: Mass), adds(force: Force))]
-/// pub struct Gravity<R = f64> {
-///     /// Constant of gravitation.
-///     #[law(unit = "m^3 kg^-1 s^-2", default = 6.674_30e-11)]
-///     pub g: R,
-/// }
-/// ```
-///
-/// Inside the struct's `#[law(...)]`:
-///
-/// | written | says |
-/// |---|---|
-/// | `domain = "bodies"` | the domain it stands on where the builder does not say |
-/// | `reads(p: P, previous q: Q)` | values of the row, of this or the previous evaluation |
-/// | `reads(p: P, optional)` | the whole group may be missing; values are `Option` |
-/// | `scene(g: G, c: C = 1.0)` | constants of the domain "scene"; with a default, never missing |
-/// | `fields(e: E)` | functions of position and time, sampled at the row's position |
-/// | `sets(p: P)` | computes anew |
-/// | `adds(p: P)` | adds a share |
-/// | `rates(p: P from (q, r))` | gives the rate of change, from these of its reads; without `from`, from all |
-/// | `amends(p: P)` | corrects after a step |
-/// | `link(ends: Ends, reads(p: P), adds(f: F))` | rows of another domain that each row links to |
-///
-/// On a field: `#[law(unit = "m", default = 0.0)]` for a parameter (`R`, or `R::Vec3` with a default `[x, y, z]`; for
-/// that the struct says `R: Real = f64`), and `#[law(skip)]` for what is no parameter. A skipped field is cloned into
-/// each body; where its type depends on `R`, it is made by `Default`.
-///
-/// For a law `Gravity` this makes `GravityRow` (what a body gets of a row), `GravityEnd` (of a row linked to),
-/// `GravityOutput` and `GravityEndOutput` (what it gives, where that is more than one value) and `GravityColumns`
-/// (whole columns, for column laws). There an output with the name of an input is called `..._rate` or `..._amended`,
-/// a previous value with the name of an output `previous_...`, and a value of an end with the name of one of the row
-/// has the link's name before it: `ends_position`.
+#[doc = include_str!("law.md")]
 #[proc_macro_derive(Law, attributes(law))]
 pub fn derive_law(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
     law(input.into()).into()

@@ -21,6 +21,7 @@ pub fn stub(input: &DeriveInput, error: &syn::Error) -> TokenStream {
     let mut bound = input.generics.clone();
     bound.params.push(syn::parse_quote!(VesperNumber: ::vesper::real::Real));
     let (bound, ..) = bound.split_for_impl();
+    let (own, ..) = input.generics.split_for_impl();
     let concrete = input.generics.params.iter().map(|parameter| match parameter {
         GenericParam::Lifetime(_) => quote!('static),
         GenericParam::Type(_) => quote!(f64),
@@ -57,6 +58,15 @@ pub fn stub(input: &DeriveInput, error: &syn::Error) -> TokenStream {
                 fn load_end<VesperSource: ::vesper::law::Source<VesperNumber>>(_: &VesperSource) -> #wrong { loop {} }
                 fn store<VesperSink: ::vesper::law::Sink<VesperNumber>>(_: #wrong, _: &mut VesperSink) {}
                 fn store_end<VesperSink: ::vesper::law::Sink<VesperNumber>>(_: #wrong, _: &mut VesperSink) {}
+            }
+            #[automatically_derived]
+            impl #own ::vesper::law::DeclaredColumns for #name #arguments #clause {
+                type Columns<'vesper, VesperScalar: ::vesper::real::Scalar> = #wrong;
+                unsafe fn columns<'vesper, VesperScalar: ::vesper::real::Scalar>(
+                    _: &::vesper::law::ColumnAccess<'vesper, VesperScalar>,
+                ) -> #wrong {
+                    loop {}
+                }
             }
             #[automatically_derived]
             impl ::vesper::law::Law for #concrete {

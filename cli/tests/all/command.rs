@@ -14,7 +14,7 @@ fn json_is_all_there_is_on_standard_output() {
     let path = folder.write("pair.toml", PAIR);
     let value = done(["run", &path, "--json"]).json();
     check_schema(&value);
-    assert_eq!((&value["time"], &value["steps"], &value["evaluations"]), (&json!(1.0), &json!(100), &json!(201)));
+    assert_eq!((&value["time"], &value["steps"], &value["evaluations"]), (&json!(1.0), &json!(100), &json!(101)));
     assert_eq!(value["unused"], json!(["bodies.colour"]));
     let statuses: Vec<_> =
         value["laws"].as_array().unwrap().iter().map(|law| law["status"].as_str().unwrap()).collect();
@@ -46,6 +46,23 @@ fn json_is_all_there_is_on_standard_output() {
     ] {
         assert!(said.contains(word), "{word}: {said}");
     }
+}
+
+#[test]
+fn damping_without_a_damper_is_told() {
+    let folder = Scratch::new("damping");
+    let damped = PAIR.replace("stiffness = [10]", "stiffness = [10]\ndamping = [1]");
+    let path = folder.write("pair.toml", &damped);
+    assert_eq!(done(["run", &path, "--json"]).json()["unused"], json!(["bodies.colour", "springs.damping"]));
+    for told in [done(["run", &path]), done(["explain", &path])] {
+        assert!(told.stdout.contains("springs.damping is unused: no running law touches it"), "{}", told.stdout);
+    }
+    let path = folder.write("pair.toml", &(damped + "[[laws]]\nname = \"damper\"\n"));
+    let value = done(["run", &path, "--json"]).json();
+    assert_eq!(value["unused"], json!(["bodies.colour"]));
+    assert_eq!(value["evaluations"], json!(201), "leapfrog evaluates a force of velocities twice");
+    let energy = &value["invariants"]["energy"];
+    assert!(energy["last"].as_f64().unwrap() < 0.9 * energy["first"].as_f64().unwrap(), "{energy}");
 }
 
 #[test]
@@ -261,7 +278,7 @@ fn the_laws_are_told() {
     ] {
         assert!(gravity.contains(line), "{gravity}");
     }
-    assert!(done(["laws", "spring"]).stdout.contains("  reads damping [N s/m], optional\n"));
+    assert!(done(["laws", "drag"]).stdout.contains("  reads wind_velocity [m/s], optional\n"));
     assert!(
         done(["laws", "post_newtonian"])
             .stdout

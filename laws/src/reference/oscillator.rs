@@ -1,7 +1,7 @@
 //! One mass on a spring whose other end is fixed.
 
 use super::{BODIES, Phase, Problem};
-use crate::{Motion, Spring};
+use crate::{Damper, Motion, Spring};
 use vesper::prelude::*;
 
 /// A mass on a spring along x, damped or not; row 0 is the fixed end, row 1 the mass.
@@ -42,9 +42,9 @@ impl Problem for Oscillator {
             .link(Ends, BODIES, [[0, 1]])
             .with(Stiffness, [self.stiffness])
             .with(RestLength, [self.rest_length]);
-        // Without damping the property is left out: a force that reads a velocity costs leapfrog an evaluation.
+        // Without damping the property is left out, and the damper dormant: it costs leapfrog an evaluation per step.
         let springs = if self.damping == 0.0 { springs } else { springs.with(Damping, [self.damping]) };
-        builder.domain(bodies).domain(springs).law(Spring).law(Motion)
+        builder.domain(bodies).domain(springs).law(Spring).law(Damper).law(Motion)
     }
 
     fn exact(&self, time: f64) -> Option<Vec<Phase>> {
@@ -65,18 +65,23 @@ impl Problem for Oscillator {
 pub fn damped_oscillation(square: f64, decay: f64, (x, v): (f64, f64), time: f64) -> (f64, f64) {
     let split = square - decay * decay;
     let fade = (-decay * time).exp();
-    // x = e^(-decay t) (x0 C + (v0 + decay x0) S), with S' = C and C' = -split S: circular, hyperbolic, or at the border.
+    // x = x0 C + (v0 + decay x0) S with C = e^(-decay t) cos(omega t) and S = e^(-decay t) sin(omega t) / omega: circular,
+    // hyperbolic, or at the border. From S' = C - decay S and C' = -split S - decay C follows
+    // x' = v0 C - (square x0 + decay v0) S.
     let (c, s) = if split > 0.0 {
         let omega = split.sqrt();
-        ((omega * time).cos(), (omega * time).sin() / omega)
+        (fade * (omega * time).cos(), fade * (omega * time).sin() / omega)
     } else if split < 0.0 {
+        // The slower exponential alone before the sum: apart, e^(-decay t) is 0 where cosh is infinite. Its rate is
+        // kappa - decay without the cancellation.
         let kappa = (-split).sqrt();
-        ((kappa * time).cosh(), (kappa * time).sinh() / kappa)
+        let slow = if decay > 0.0 { (-square / (kappa + decay) * time).exp() } else { ((kappa - decay) * time).exp() };
+        let less = (-2.0 * kappa * time).exp_m1();
+        (slow * (1.0 + 0.5 * less), -0.5 * slow * less / kappa)
     } else {
-        (1.0, time)
+        (fade, fade * time)
     };
-    let lead = v + decay * x;
-    (fade * (x * c + lead * s), fade * (lead * c - split * x * s - decay * (x * c + lead * s)))
+    (x * c + (v + decay * x) * s, v * c - (square * x + decay * v) * s)
 }
 
 #[cfg(test)]
@@ -95,5 +100,20 @@ mod tests {
             assert!((rate(|state| state.0) - v).abs() < 1e-6);
             assert!((rate(|state| state.1) + 2.0 * decay * v + square * x).abs() < 1e-6);
         }
+    }
+
+    #[test]
+    fn an_overdamped_mass_creeps_back_however_long_it_takes() {
+        // Long after the faster exponential, A e^(-slow t) with A = (v + fast x) / (fast - slow).
+        let (square, decay) = (1.0_f64, 10.0_f64);
+        let fast = decay + (decay * decay - square).sqrt();
+        let slow = square / fast;
+        for time in [10.0, 100.0, 1000.0] {
+            let (x, v) = damped_oscillation(square, decay, (0.7, -0.4), time);
+            let exact = (fast * 0.7 - 0.4) / (fast - slow) * (-slow * time).exp();
+            assert!((x / exact - 1.0).abs() < 1e-13, "{x} at {time}");
+            assert!((v / (-slow * exact) - 1.0).abs() < 1e-11, "{v} at {time}");
+        }
+        assert_eq!(damped_oscillation(square, decay, (0.7, -0.4), 1e5), (0.0, 0.0));
     }
 }

@@ -1,7 +1,7 @@
 //! C7 a to g: two bodies on a damped spring, and two without one.
 
 use super::{BODIES, Phase, Problem, damped_oscillation};
-use crate::{Motion, Spring, UniformGravity};
+use crate::{Damper, Motion, Spring, UniformGravity};
 use vesper::prelude::*;
 
 /// Two bodies that start at (-10, 5, 0) and (10, 5, 0), joined by a spring of rest length 10 and damping 10, or not.
@@ -106,7 +106,7 @@ impl Problem for Pair {
                 .with(Stiffness, [stiffness])
                 .with(Damping, [DAMPING])
                 .with(RestLength, [REST_LENGTH]);
-            builder = builder.domain(springs).law(Spring);
+            builder = builder.domain(springs).law(Spring).law(Damper);
         }
         if self.gravity {
             builder = builder.constant(GravityAcceleration, [GRAVITY]).law(UniformGravity);

@@ -7,7 +7,7 @@ use vesper::prelude::*;
 use vesper::property::Role;
 use vesper::real::Isa;
 use vesper::registry::Options;
-use vesper_laws::catalog::{CatalogPrecision, StockLaw, stock_law, stock_laws};
+use vesper_laws::catalog::{StockLaw, stock_law, stock_laws};
 
 /// More than a block of 512 rows, and no multiple of any width of lanes.
 const ROWS: usize = 1043;
@@ -87,7 +87,7 @@ struct Machine {
 }
 
 /// Runs laws for three steps and gives the bits of everything that they moved or computed.
-fn bits<P: CatalogPrecision>(laws: &[(&StockLaw, &str)], order: &[usize], machine: Machine) -> Vec<u64> {
+fn bits<P: Precision>(laws: &[(&StockLaw, &str)], order: &[usize], machine: Machine) -> Vec<u64> {
     let mut builder = Engine::<P>::builder()
         .integrator(SemiImplicitEuler)
         .step(1e-3)
@@ -144,7 +144,7 @@ fn machines() -> impl Iterator<Item = Machine> {
 
 const REFERENCE: Machine = Machine { isa: Isa::Scalar, backend: Backend::Cpu, threads: 1 };
 
-fn every_law_on_every_machine<P: CatalogPrecision>() {
+fn every_law_on_every_machine<P: Precision>() {
     for law in stock_laws() {
         let laws = [(law, "rows")];
         let reference = bits::<P>(&laws, &[0], REFERENCE);
@@ -189,6 +189,7 @@ fn everything() -> Vec<(&'static StockLaw, &'static str)> {
         ("kinematics", "planets"),
         ("newtonian_field", "planets"),
         ("post_newtonian", "planets"),
+        ("damper", "springs"),
         ("spring", "springs"),
     ];
     scene.map(|(name, domain)| (stock_law(name).unwrap(), domain)).to_vec()

@@ -3,7 +3,7 @@
 use vesper::prelude::*;
 use vesper_laws::invariants::{Invariants, invariants};
 use vesper_laws::reference::{Pair, Problem, Spectrograph, Throw, pairs};
-use vesper_laws::{Drag, Motion, Spring, UniformGravity};
+use vesper_laws::{Damper, Drag, Motion, Spring, UniformGravity};
 
 /// The largest error of a problem at its times, each reached by a whole number of steps of at most `step`.
 fn error(problem: &impl Problem, integrator: impl Integrator + 'static, step: f64) -> f64 {
@@ -102,8 +102,8 @@ fn web(damping: Option<f64>, air: Option<f64>) -> Builder<f64> {
     if let Some(air) = air {
         bodies = bodies.with(DragCoefficient, vec![air; rows as usize]);
     }
-    // Without coefficients the drag is dormant.
-    Engine::builder().domain(bodies).domain(springs).law(Spring).law(Drag).law(Motion)
+    // Without coefficients the damper and the drag are dormant.
+    Engine::builder().domain(bodies).domain(springs).law(Spring).law(Damper).law(Drag).law(Motion)
 }
 
 fn fastest(engine: &Engine<f64>) -> f64 {

@@ -68,7 +68,7 @@ fn laws_are_found_by_name() {
 }
 
 /// Two rows at a distance of 2 along x that a law of the catalog drives for one step.
-fn pushed<P: vesper_laws::catalog::CatalogPrecision>(name: &str, parameters: &[f64]) -> f64 {
+fn pushed<P: Precision>(name: &str, parameters: &[f64]) -> f64 {
     let bodies = Domain::<P>::new("bodies")
         .with(Position, [[0.0; 3], [2.0, 0.0, 0.0]])
         .with(Velocity, [[0.0; 3]; 2])

@@ -3,7 +3,7 @@
 use vesper::prelude::*;
 use vesper_laws::invariants::{Weight, angular_momentum, centre_of_mass, invariants, momentum};
 use vesper_laws::reference::{Cyclotron, Kepler, Oscillator, Problem};
-use vesper_laws::{Coulomb, Gravity, GravityByParameter, Kinematics, Motion, PostNewtonian, Spring};
+use vesper_laws::{Coulomb, Damper, Gravity, GravityByParameter, Kinematics, Motion, PostNewtonian, Spring};
 
 /// The largest |E - E_0| / |E_0| over `blocks` blocks of `steps` steps each, for the first half and for all of them.
 fn energy_drift(engine: &mut Engine<f64>, step: f64, blocks: u32, steps: u64) -> (f64, f64) {
@@ -88,6 +88,7 @@ fn pairs_and_springs_conserve_momentum_and_angular_momentum() {
             .law(Gravity { g: 1e-2, softening: 0.1 })
             .law(Coulomb { k: 1.0, softening: 0.1 })
             .law(Spring)
+            .law(Damper)
             .law(Motion)
             .backend(backend)
             .step(1e-3)

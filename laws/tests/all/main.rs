@@ -4,6 +4,7 @@ mod backends;
 mod cases;
 mod catalog;
 mod conservation;
+mod macros;
 mod orders;
 mod precision;
 mod solar_system;

@@ -63,7 +63,8 @@ fn a_pair_law() {
              default: ::core::option::Option::Some([0.000000000066743f64, 0f64, 0f64])",
             "type Body<R: ::vesper::real::Real> = Gravity<R>;",
             "softening: <R as ::vesper::real::Real>::lit(self.softening)",
-            "fn from_parameters(values: &[f64]) -> Self { Self { g: values[0usize], softening: values[1usize], } }",
+            "fn from_parameters(values: &[f64]) -> Self { Self { g: values.get(0usize).copied().unwrap_or(0.000000000066743f64),
+             softening: values.get(1usize).copied().unwrap_or(0f64), } }",
             "impl ::core::default::Default for Gravity<f64>",
             "needs_kernel::<Gravity<f64>>();",
             "pub struct GravityColumns<'a, P: ::vesper::real::Scalar>",
@@ -127,7 +128,9 @@ fn every_group_and_kind_of_field() {
             "offset: <<T as ::vesper::real::Real>::Vec3 as ::vesper::real::Vector<T>>::lit(self.offset)",
             "memory: ::core::clone::Clone::clone(&self.memory)",
             "scratch: ::core::default::Default::default()",
-            "::vesper::real::Vector<f64>>::new(values[0usize], values[1usize], values[2usize]), k: values[3usize]",
+            "::vesper::real::Vector<f64>>::new(values.get(0usize).copied().unwrap_or(0f64),
+             values.get(1usize).copied().unwrap_or(-1f64), values.get(2usize).copied().unwrap_or(2.5f64)),
+             k: values.get(3usize).copied().unwrap_or(f64::NAN)",
             "== 3usize, \"the default of constant `gravity` has 3 components, its property has not\"",
             "pub wind: ::core::option::Option<::vesper::property::ValueOf<WindVelocity, P>>",
             "charge: access.optional_slice::<Charge>(1usize)",
@@ -235,12 +238,23 @@ fn kernels_of_every_shape() {
                 "impl ::vesper::law::RowFamily for Motion { type Kernel<T: ::vesper::real::Real> = Motion;",
                 "const ENERGY: bool = true;",
                 "::vesper::backend::row::<f64, Self>(self)",
+                "::core::assert!(<Motion as ::vesper::law::Law>::SIGNATURE.parameters.is_empty(),
+                 \"law `Motion` has parameters, so it has a type of numbers: write `for Motion<T>`\")",
             ],
         ),
         ("impl<R: Real> LinkLaw<R> for Spring {}", &["LinkFamily<2> for Spring", "backend::link::<f64, Self, 2>(self)"]),
-        ("impl<R: Real> LinkLaw<R, 3> for a::Face<R> {}", &["LinkFamily<3> for a::Face<f64>", "link::<f64, Self, 3>(self)"]),
         (
-            "impl<P: Scalar> ColumnLaw<P> for Contact<P> { fn columns(&self) {} }",
+            "impl<R: Real> LinkLaw<R, 3> for a::Face<R> {}",
+            &[
+                "LinkFamily<3> for a::Face<f64>",
+                "link::<f64, Self, 3>(self)",
+                "match <a::Face<f64> as ::vesper::law::Law>::SIGNATURE.link {
+                 ::core::option::Option::Some(link) => link.kind.width() == 3,",
+                "\"law `Face` does not get as many rows as its link holds: write that number in `LinkLaw<R, N>`\"",
+            ],
+        ),
+        (
+            "impl<P: Precision> ColumnLaw<P> for Contact<P> { fn columns(&self) {} }",
             &[
                 "{ fn columns(&self) {} }",
                 "impl ::vesper::law::ColumnFamily for Contact<f64> { type Kernel<P: ::vesper::real::Scalar> = Contact<P>;

@@ -223,6 +223,40 @@ fn a_wrong_law_expands_to_its_error_once_and_a_stub() {
     }
 }
 
+/// The traits that an expansion implements for `Drag`.
+fn traits_of_drag(text: &str) -> Vec<String> {
+    fn of_items(items: Vec<syn::Item>, found: &mut Vec<String>) {
+        for item in items {
+            match item {
+                syn::Item::Impl(item) if item.self_ty.to_token_stream().to_string().starts_with("Drag ") => {
+                    let last = item.trait_.and_then(|(path, _)| Some(path.segments.last()?.ident.to_string()));
+                    found.extend(last);
+                }
+                syn::Item::Const(item) => {
+                    let syn::Expr::Block(block) = *item.expr else { continue };
+                    let items = block.block.stmts.into_iter();
+                    let items =
+                        items.filter_map(|stmt| if let syn::Stmt::Item(item) = stmt { Some(item) } else { None });
+                    of_items(items.collect(), found);
+                }
+                _ => {}
+            }
+        }
+    }
+    let file: syn::File = syn::parse2(crate::law(tokens(text))).unwrap_or_else(|error| panic!("{error}: {text}"));
+    let mut found = Vec::new();
+    of_items(file.items, &mut found);
+    found.sort();
+    found
+}
+
+#[test]
+fn the_stub_of_a_wrong_law_implements_what_a_right_one_does() {
+    let right = traits_of_drag(&law("reads(v: Velocity), adds(force: Force)"));
+    assert_eq!(right, ["Declared", "DeclaredColumns", "Default", "Law"]);
+    assert_eq!(traits_of_drag(&law("read(v: Velocity), adds(force: Force)")), right);
+}
+
 #[test]
 fn wrong_properties() {
     let table = [
@@ -285,7 +319,7 @@ fn wrong_kernels() {
         (
             "",
             "impl<P> ColumnLaw for Drag<P> {}",
-            &once.replace("R: Real", "P: Scalar").replace("RowLaw<R>", "ColumnLaw<P>"),
+            &once.replace("R: Real", "P: Precision").replace("RowLaw<R>", "ColumnLaw<P>"),
         ),
         ("", "impl<R: Real> RowLaw<R> for Drag<f64> {}", named),
         ("", "impl<R: Real> RowLaw<R> for [R; 3] {}", named),

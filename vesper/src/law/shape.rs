@@ -7,7 +7,8 @@ use crate::real::{Real, Scalar};
 /// A body for one row of a domain.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no row body",
-    note = "write `#[kernel] impl<R: Real> RowLaw<R> for ...`"
+    note = "write `#[kernel] impl<R: Real> RowLaw<R> for ...`",
+    note = "a law that is declared as `Name<R = f64>` is `Name<R>` there"
 )]
 pub trait RowLaw<R: Real>: Declared<R> {
     /// What one row gets.
@@ -21,7 +22,8 @@ pub trait RowLaw<R: Real>: Declared<R> {
 /// A body for one ordered pair of rows of a domain: what row `j` does to row `i`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no pair body",
-    note = "write `#[kernel] impl<R: Real> PairLaw<R> for ...`"
+    note = "write `#[kernel] impl<R: Real> PairLaw<R> for ...`",
+    note = "a law that is declared as `Name<R = f64>` is `Name<R>` there"
 )]
 pub trait PairLaw<R: Real>: Declared<R> {
     /// What row `j` adds to row `i`. Called for `i != j` only.
@@ -35,7 +37,8 @@ pub trait PairLaw<R: Real>: Declared<R> {
 /// A body for one row that links to `N` rows of another domain.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no link body",
-    note = "write `#[kernel] impl<R: Real> LinkLaw<R, 2> for ...`"
+    note = "write `#[kernel] impl<R: Real> LinkLaw<R, 2> for ...`",
+    note = "a law that is declared as `Name<R = f64>` is `Name<R>` there"
 )]
 pub trait LinkLaw<R: Real, const N: usize = 2>: Declared<R> {
     /// What the rows linked to get.
@@ -49,7 +52,8 @@ pub trait LinkLaw<R: Real, const N: usize = 2>: Declared<R> {
 /// An algorithm of its own over whole columns.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no column body",
-    note = "write `#[kernel] impl<P: Scalar> ColumnLaw<P> for ...`"
+    note = "write `#[kernel] impl<P: Precision> ColumnLaw<P> for ...`",
+    note = "a law that is declared as `Name<R = f64>` is `Name<P>` there"
 )]
 pub trait ColumnLaw<P: Scalar>: DeclaredColumns {
     /// Reads and changes the columns.
