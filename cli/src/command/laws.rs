@@ -11,8 +11,7 @@ use crate::fault::{SceneFault, help_for};
 /// Lists all laws, or prints the one of this name.
 pub(super) fn laws(name: Option<&str>) -> Result<Exit, Vec<SceneFault>> {
     let Some(name) = name else {
-        say(&list());
-        return Ok(Exit::Done);
+        return Ok(say(&list()));
     };
     let Some(law) = stock_law(name) else {
         let help = help_for(name, stock_laws().iter().map(|law| law.signature.name));
@@ -22,8 +21,7 @@ pub(super) fn laws(name: Option<&str>) -> Result<Exit, Vec<SceneFault>> {
     let mut text = String::new();
     // Writing to a string cannot fail.
     _ = describe(&mut text, &law.signature);
-    say(&text);
-    Ok(Exit::Done)
+    Ok(say(&text))
 }
 
 fn list() -> String {

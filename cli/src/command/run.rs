@@ -60,20 +60,22 @@ fn go<P: CatalogPrecision>(
     {
         outcome.faults.push(scene.fault_of_file(text));
     }
-    tell(arguments, scene, &outcome, every);
-    Ok(if outcome.faults.is_empty() { Exit::Done } else { Exit::Failed })
+    let said = tell(arguments, scene, &outcome, every);
+    Ok(if outcome.faults.is_empty() { said } else { Exit::Failed })
 }
 
-fn tell(arguments: &Run, scene: &Scene, outcome: &Outcome, every: u64) {
+fn tell(arguments: &Run, scene: &Scene, outcome: &Outcome, every: u64) -> Exit {
+    let mut text = String::new();
     if arguments.json {
-        say(&json::text(&json::outcome(outcome)));
+        text = json::text(&json::outcome(outcome));
     } else if !arguments.quiet {
-        say(&summary::summary(scene, outcome));
+        text = summary::summary(scene, outcome);
         if let Some(out) = &arguments.out {
             let frames = if every == 1 { "every frame".to_owned() } else { format!("one frame in {every}") };
-            say(&format!("\n{frames} written to {}\n", out.display()));
+            text += &format!("\n{frames} written to {}\n", out.display());
         }
     }
+    let said = say(&text);
     for fault in &outcome.faults {
         complain(&format!("{fault}\n"));
     }
@@ -81,4 +83,5 @@ fn tell(arguments: &Run, scene: &Scene, outcome: &Outcome, every: u64) {
         let written = arguments.out.as_ref().map_or("", |_| "; the state up to then is written");
         complain(&format!("the run failed at {} s, step {}{written}\n", outcome.time, outcome.steps));
     }
+    said
 }

@@ -193,6 +193,35 @@ fn a_folder_of_results() {
     assert_eq!(folder.read("deep/out/bodies.csv").lines().count(), 1 + 2 * 11);
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told_and_a_reader_that_went_away_is_not() {
+    use std::process::{Command, Stdio};
+    let folder = Scratch::new("full");
+    let path = folder.write("pair.toml", PAIR);
+    for arguments in [
+        &["run", &path][..],
+        &["run", &path, "--json"],
+        &["explain", &path],
+        &["laws"],
+        &["laws", "gravity"],
+        &["--help"],
+    ] {
+        let vesper = || Command::new(env!("CARGO_BIN_EXE_vesper"));
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let full = vesper().args(arguments).stdout(full).output().unwrap();
+        let said = String::from_utf8(full.stderr).unwrap();
+        assert!(
+            full.status.code() == Some(3) && said.contains("cannot write to standard output"),
+            "{arguments:?} {said}"
+        );
+        let mut gone = vesper().args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(gone.stdout.take());
+        let gone = gone.wait_with_output().unwrap();
+        assert!(gone.status.success() && gone.stderr.is_empty(), "{arguments:?}");
+    }
+}
+
 /// Runs to `end` at once, and to `middle` and on from there: the same bits.
 fn resumes(name: &str, scene: &str, middle: &str, end: &str, more: &[&str]) {
     let folder = Scratch::new(name);
