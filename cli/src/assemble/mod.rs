@@ -41,6 +41,34 @@ pub fn names(scene: &Scene) -> Vec<(Span, SceneFault)> {
     notes.faults
 }
 
+/// Laws that sleep by mistake. A scene may list laws that lack their data; but where none runs at all nothing moves, and
+/// a name near the one that a law lacks, which no law knows, is most likely a slip.
+pub fn asleep(scene: &Scene, report: &Report) -> Vec<SceneFault> {
+    let mut notes = Notes { scene, faults: Vec::new() };
+    let none_runs = !report.laws.iter().any(|law| matches!(law.status, Status::Active { .. }));
+    for (law, why) in report.dormant() {
+        let slip = |missing: &&vesper::registry::Missing| {
+            missing.starved_by.is_empty() && missing.nearest.as_ref().is_some_and(|near| is_slip(scene, near))
+        };
+        let slip = why.missing.iter().find(slip).and_then(|missing| missing.nearest.as_deref());
+        let span = slip.and_then(|near| places::column_of(scene, &law.domain, near));
+        let span = span.or_else(|| places::law_name(scene, &law.label));
+        if let (true, Some(span)) = (slip.is_some() || none_runs, span) {
+            let help = match slip {
+                Some(_) => "no law knows this name; a law that may sleep is listed with `enabled = false`",
+                None => "no law of the scene runs; `vesper explain` tells what each needs",
+            };
+            notes.fault(span, law.to_string(), Some(help.to_owned()));
+        }
+    }
+    notes.into_faults()
+}
+
+/// Whether the scene has `name` as a column, constant or field that no law and no standard property knows.
+fn is_slip(scene: &Scene, name: &str) -> bool {
+    properties::known(name).is_none() && places::column_of(scene, "", name).is_some()
+}
+
 /// Faults of a running engine, in the scene's words.
 pub fn run_faults(scene: &Scene, faults: &Faults) -> Vec<SceneFault> {
     let mut notes = Notes { scene, faults: Vec::new() };

@@ -69,6 +69,9 @@ pub struct SceneArguments {
     /// Threads for parallel laws [default: all cores]
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
+    /// Every law must run: one that lacks its data is a mistake of the scene
+    #[arg(long)]
+    pub strict: bool,
     /// Sets one value of the scene, as in engine.step=1e-3; may be given many times
     #[arg(long = "set", value_name = "PATH=VALUE", allow_hyphen_values = true)]
     pub set: Vec<String>,
@@ -145,6 +148,7 @@ impl SceneArguments {
             self.precision.as_ref().map(|precision| format!("engine.precision={}", name(precision))),
             self.backend.as_ref().map(|backend| format!("engine.backend={}", name(backend))),
             self.threads.map(|threads| format!("engine.threads={threads}")),
+            self.strict.then(|| "engine.strict=true".to_owned()),
         ];
         settings.into_iter().flatten().chain(self.set.iter().cloned()).collect()
     }

@@ -67,6 +67,10 @@ impl<'s, P: CatalogPrecision> Ready<'s, P> {
         let (Some(mut engine), Some(mut course), Some(targets)) = (engine, course, targets) else {
             return Err(faults);
         };
+        let asleep = assemble::asleep(scene, engine.report());
+        if !asleep.is_empty() {
+            return Err(asleep);
+        }
         if let Some(checkpoint) = resume {
             engine.restore(checkpoint).map_err(|faults| assemble::run_faults(scene, &faults))?;
             course = course.resumed(checkpoint);

@@ -49,6 +49,17 @@ fn json_is_all_there_is_on_standard_output() {
 }
 
 #[test]
+fn a_strict_run_wants_every_law() {
+    let folder = Scratch::new("strict");
+    let path = folder.write("pair.toml", PAIR);
+    for word in ["run", "explain"] {
+        assert_eq!(vesper([word, &path]).status, 0);
+        let strict = vesper([word, &path, "--strict"]);
+        assert!(strict.status == 2 && strict.stderr.contains("drag must run, but is dormant"), "{}", strict.stderr);
+    }
+}
+
+#[test]
 fn observed_columns_and_subsets() {
     let folder = Scratch::new("observe");
     let text = PAIR.replace("end = 1", "end = 1\nobserve = [\"bodies.force\", \"bodies.charge\", \"springs.ends\"]");

@@ -122,6 +122,41 @@ fn a_strict_scene_says_what_a_law_lacks() {
 }
 
 #[test]
+fn a_law_that_sleeps_by_mistake_is_a_fault() {
+    let near = "no law knows this name; a law that may sleep is listed with `enabled = false`";
+    let none = "no law of the scene runs; `vesper explain` tells what each needs";
+    let motion = "[[laws]]\nname = \"motion\"\n";
+    let drag = "[[laws]]\nname = \"drag\"\n";
+    let moving = "mass = [1]\nvelocity = [[0, 0, 1]]\n";
+    for (text, expected) in [
+        (
+            format!("velocty = [[0, 0, 1]]\nmass = [1]\n{motion}"),
+            format!(
+                "6:1: motion is dormant: it reads velocity [m/s], which domain bodies does not have; there is velocty: rename it, or add velocity; {near}"
+            ),
+        ),
+        (
+            format!("{moving}drag_coeficient = [1]\n{motion}{drag}"),
+            format!(
+                "8:1: drag is dormant: it reads drag_coefficient [kg/s], which domain bodies does not have; there is drag_coeficient: rename it, or add drag_coefficient; {near}"
+            ),
+        ),
+        (
+            format!("mass = [1]\n{drag}"),
+            format!(
+                "8:8: drag is dormant: it reads velocity [m/s], which domain bodies does not have: add velocity; it reads drag_coefficient [kg/s], which domain bodies does not have: add drag_coefficient; {none}"
+            ),
+        ),
+    ] {
+        let found = faults(&format!("{BODY}{text}"));
+        assert!(found.len() == 1 && found[0] == expected, "{text}\n  expected {expected}\n  found    {found:#?}");
+    }
+    // A law that lacks what nothing resembles may sleep, and so may one that is switched off.
+    assert!(faults(&format!("{BODY}{moving}colour = [1]\n{motion}{drag}")).is_empty());
+    assert!(faults(&format!("{BODY}{moving}drag_coeficient = [1]\n{motion}{drag}enabled = false\n")).is_empty());
+}
+
+#[test]
 fn mistakes_of_all_kinds_are_told_at_once() {
     let text = "[engine]\nstep = \"slow\"\nintegrator = \"leapfog\"\nend = 1\n[domains.bodies]\nmass = { value = [1], unit = \"m\" }\n\
                 velocity = [[0, 0]]\nposition = [[0, 0, 0], [1, 1, 1]]\n[[laws]]\nname = \"gravty\"\n[[laws]]\nname = \"motion\"\nevery = 0\n";
