@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
+
+use crate::scene::{OptionKind, Override};
 
 /// Runs scenes of physics, and says what they are made of.
 #[derive(Parser, Debug)]
@@ -62,13 +64,13 @@ pub struct SceneArguments {
     pub integrator: Option<String>,
     /// Number type of the state
     #[arg(long, value_name = "f32|f64")]
-    pub precision: Option<PrecisionName>,
+    pub precision: Option<String>,
     /// Where laws run that do not say
-    #[arg(long, value_name = "B")]
-    pub backend: Option<BackendName>,
+    #[arg(long, value_name = "auto|cpu|parallel")]
+    pub backend: Option<String>,
     /// Threads for parallel laws [default: all cores]
-    #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub threads: Option<String>,
     /// Every law must run: one that lacks its data is a mistake of the scene
     #[arg(long)]
     pub strict: bool,
@@ -85,16 +87,16 @@ pub struct Run {
     pub scene: SceneArguments,
     /// Time to stop at, in s
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    pub end: Option<f64>,
+    pub end: Option<String>,
     /// Fixed step, in s
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    pub step: Option<f64>,
+    pub step: Option<String>,
     /// Folder for tables, picture, summary and checkpoint
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Write every N-th frame [default: at most 1000 frames and 200000 lines in all]
-    #[arg(long, value_name = "N", requires = "out", value_parser = clap::value_parser!(u64).range(1..))]
-    pub every: Option<u64>,
+    #[arg(long, value_name = "N", requires = "out", allow_negative_numbers = true)]
+    pub every: Option<String>,
     /// Print one JSON object on standard output, and nothing else there
     #[arg(long)]
     pub json: bool,
@@ -117,67 +119,32 @@ pub struct Explain {
     pub dot: bool,
 }
 
-/// Number types by name.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum PrecisionName {
-    /// 32 bits.
-    F32,
-    /// 64 bits.
-    F64,
-}
-
-/// Backends by name.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum BackendName {
-    /// By size.
-    Auto,
-    /// One thread.
-    Cpu,
-    /// All threads.
-    Parallel,
-    /// The graphics processor.
-    Gpu,
-}
-
 impl SceneArguments {
-    /// All changes as `--set` arguments, so that they are checked as the scene is; those written out as such last.
-    pub fn overrides(&self) -> Vec<String> {
-        let name = |value: &dyn ValueName| value.name();
+    /// All changes of the scene, so that they are checked as the scene is; those of `--set` last.
+    pub fn overrides(&self) -> Vec<Override> {
+        use OptionKind::{Flag, Number, Word};
         let settings = [
-            self.integrator.as_ref().map(|integrator| format!("engine.integrator={}", quoted(integrator))),
-            self.precision.as_ref().map(|precision| format!("engine.precision={}", name(precision))),
-            self.backend.as_ref().map(|backend| format!("engine.backend={}", name(backend))),
-            self.threads.map(|threads| format!("engine.threads={threads}")),
-            self.strict.then(|| "engine.strict=true".to_owned()),
+            option("--integrator", "integrator", self.integrator.as_ref(), Word),
+            option("--precision", "precision", self.precision.as_ref(), Word),
+            option("--backend", "backend", self.backend.as_ref(), Word),
+            option("--threads", "threads", self.threads.as_ref(), Number),
+            option("--strict", "strict", self.strict.then(String::new).as_ref(), Flag),
         ];
-        settings.into_iter().flatten().chain(self.set.iter().cloned()).collect()
+        settings.into_iter().flatten().chain(self.set.iter().cloned().map(Override::Set)).collect()
     }
 }
 
 impl Run {
-    /// All changes of the scene as `--set` arguments.
-    pub fn overrides(&self) -> Vec<String> {
-        // With its unit, for the scene may have another one, which would stay.
-        let time = |key: &str, value: Option<f64>| {
-            value.map(|value| format!("engine.{key}={{ value = {value:?}, unit = \"s\" }}"))
-        };
-        let times = [time("end", self.end), time("step", self.step)];
+    /// All changes of the scene.
+    pub fn overrides(&self) -> Vec<Override> {
+        let times = [
+            option("--end", "end", self.end.as_ref(), OptionKind::Seconds),
+            option("--step", "step", self.step.as_ref(), OptionKind::Seconds),
+        ];
         self.scene.overrides().into_iter().chain(times.into_iter().flatten()).collect()
     }
 }
 
-/// A bare name as it is, anything else as TOML text.
-fn quoted(text: &str) -> String {
-    let bare = !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    if bare { text.to_owned() } else { format!("{text:?}") }
-}
-
-trait ValueName {
-    fn name(&self) -> String;
-}
-
-impl<V: ValueEnum> ValueName for V {
-    fn name(&self) -> String {
-        self.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())
-    }
+fn option(option: &'static str, key: &'static str, text: Option<&String>, kind: OptionKind) -> Option<Override> {
+    text.map(|text| Override::Engine { option, key, text: text.clone(), kind })
 }

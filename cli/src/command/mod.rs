@@ -14,7 +14,7 @@ use std::process::ExitCode;
 
 use crate::assemble;
 use crate::fault::{SceneFault, print_faults};
-use crate::scene::{Precision, Scene};
+use crate::scene::{Override, Precision, Scene};
 use arguments::{Explain, SceneArguments};
 
 /// How the command ends.
@@ -66,7 +66,7 @@ fn explain(arguments: &Explain) -> Result<Exit, Vec<SceneFault>> {
     Ok(say(&text))
 }
 
-fn read(arguments: &SceneArguments, overrides: &[String]) -> Result<Scene, Vec<SceneFault>> {
+fn read(arguments: &SceneArguments, overrides: &[Override]) -> Result<Scene, Vec<SceneFault>> {
     Scene::read_and(&arguments.scene, overrides, assemble::names)
 }
 

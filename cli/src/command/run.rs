@@ -21,14 +21,24 @@ pub(super) fn run(arguments: &Run) -> Result<Exit, Vec<SceneFault>> {
     let scene = read(&arguments.scene, &arguments.overrides());
     // A checkpoint that cannot be read is told together with the mistakes of the scene.
     let resume = arguments.resume.as_deref().map(read_checkpoint).transpose();
-    let (scene, resume) = match (scene, resume) {
-        (Ok(scene), Ok(resume)) => (scene, resume),
-        (scene, resume) => return Err([scene.err().unwrap_or_default(), resume.err().into_iter().collect()].concat()),
+    let every = arguments.every.as_deref().map(every).transpose();
+    let (scene, resume, every) = match (scene, resume, every) {
+        (Ok(scene), Ok(resume), Ok(every)) => (scene, resume, every),
+        (scene, resume, every) => {
+            let more = resume.err().into_iter().chain(every.err());
+            return Err(scene.err().unwrap_or_default().into_iter().chain(more).collect());
+        }
     };
     match precision(&scene) {
-        Precision::F32 => go::<f32>(arguments, &scene, resume.as_ref()),
-        Precision::F64 => go::<f64>(arguments, &scene, resume.as_ref()),
+        Precision::F32 => go::<f32>(arguments, &scene, resume.as_ref(), every),
+        Precision::F64 => go::<f64>(arguments, &scene, resume.as_ref(), every),
     }
+}
+
+fn every(text: &str) -> Result<u64, SceneFault> {
+    let fault =
+        || SceneFault::of_file(format!("--every {text}"), format!("expected a whole number, 1 or more, found {text}"));
+    text.trim().parse().ok().filter(|every| *every > 0).ok_or_else(fault)
 }
 
 fn read_checkpoint(path: &Path) -> Result<Checkpoint, SceneFault> {
@@ -43,13 +53,14 @@ fn go<P: CatalogPrecision>(
     arguments: &Run,
     scene: &Scene,
     resume: Option<&Checkpoint>,
+    every: Option<u64>,
 ) -> Result<Exit, Vec<SceneFault>> {
     let ready = Ready::<P>::new(scene, resume)?;
     let mut folder = arguments.out.as_deref().map(Folder::new).transpose();
     let folder = folder.as_mut().map_err(|text| vec![scene.fault_of_file(text.as_str())])?;
     let rows: usize = ready.engine.state().domains().iter().map(|domain| domain.rows()).sum();
     let frames = (LINES / rows.max(1) as u64).clamp(8, FRAMES);
-    let every = arguments.every.unwrap_or(ready.course.frames().div_ceil(frames).max(1));
+    let every = every.unwrap_or(ready.course.frames().div_ceil(frames).max(1));
     let request = Request { progress: !arguments.quiet, record_every: if folder.is_some() { every } else { 0 } };
     let mut outcome = ready.run(request, &mut |engine, shown| match folder.as_mut() {
         Some(folder) => folder.add(scene, engine, shown),

@@ -22,6 +22,7 @@ use std::path::{Path, PathBuf};
 
 pub use data::*;
 pub(crate) use domains::plural;
+pub use overrides::{OptionKind, Override};
 
 pub use crate::fault::{SceneFault, Sources, Span, Spanned, help_for, nearest, print_faults};
 use crate::generate;
@@ -57,14 +58,14 @@ const SECTIONS: [&str; 8] = ["title", "engine", "constants", "fields", "domains"
 
 impl Scene {
     /// Reads the scene file at `path`, applies the `--set` arguments, and fills its domains.
-    pub fn read(path: &Path, overrides: &[String]) -> Result<Self, Vec<SceneFault>> {
+    pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, Vec<SceneFault>> {
         Self::read_and(path, overrides, |_| Vec::new())
     }
 
     /// The same, with faults that somebody else finds in what could be read, told together with those of the scene.
     pub fn read_and(
         path: &Path,
-        overrides: &[String],
+        overrides: &[Override],
         more: impl FnOnce(&Self) -> Vec<(Span, SceneFault)>,
     ) -> Result<Self, Vec<SceneFault>> {
         let file = path.display().to_string();
@@ -79,7 +80,7 @@ impl Scene {
     }
 
     /// Reads a scene from text; `file` is its name in faults, `folder` is where files that it names lie.
-    pub fn from_text(file: &str, text: &str, folder: &Path, overrides: &[String]) -> Result<Self, Vec<SceneFault>> {
+    pub fn from_text(file: &str, text: &str, folder: &Path, overrides: &[Override]) -> Result<Self, Vec<SceneFault>> {
         Self::from_text_and(file, text, folder, overrides, |_| Vec::new())
     }
 
@@ -88,19 +89,19 @@ impl Scene {
         file: &str,
         text: &str,
         folder: &Path,
-        overrides: &[String],
+        overrides: &[Override],
         more: impl FnOnce(&Self) -> Vec<(Span, SceneFault)>,
     ) -> Result<Self, Vec<SceneFault>> {
         let mut walk = Walk::default();
         let base = walk.sources.add(file, text, true);
         let bases: Vec<usize> =
-            overrides.iter().map(|one| walk.sources.add(format!("--set {one}"), one.as_str(), false)).collect();
+            overrides.iter().map(Override::source).map(|(name, text)| walk.sources.add(name, text, false)).collect();
         let (mut root, faults) = tree::document(text, base);
         for (span, text) in faults {
             walk.syntax_fault(span, text);
         }
-        for (argument, base) in overrides.iter().zip(bases) {
-            overrides::apply(&mut walk, &mut root, argument, base);
+        for (change, base) in overrides.iter().zip(bases) {
+            overrides::apply(&mut walk, &mut root, change, base);
         }
         let mut scene = Self { folder: folder.to_owned(), ..Self::default() };
         scene.read_sections(&mut walk, &root);

@@ -6,7 +6,7 @@ use vesper_dimension::Unit;
 
 use super::data::Parameter;
 use super::tree::{Node, Table, Value};
-use crate::fault::{SceneFault, Sources, Span, Spanned, help_for, nearest};
+use crate::fault::{SceneFault, Sources, Span, Spanned, help_for, nearest, number};
 
 /// The faults found so far, and the texts they point into.
 #[derive(Debug, Default)]
@@ -142,7 +142,7 @@ impl Walk {
                 }
             },
             Value::Number { value, .. } if value.is_finite() => {
-                self.fault(node.span, format!("expected {what}, found {value}"), None);
+                self.fault(node.span, format!("expected {what}, found {}", number(*value)), None);
                 None
             }
             _ => self.expected(&what, node),

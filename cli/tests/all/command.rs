@@ -115,6 +115,32 @@ fn exit_status_2_and_nothing_run_or_written() {
 }
 
 #[test]
+fn a_wrong_option_is_named_as_it_was_written() {
+    let folder = Scratch::new("options");
+    let path = folder.write("pair.toml", PAIR);
+    for (option, value, expected) in [
+        ("--step", "nan", "expected a number, found nan"),
+        ("--step", "fast", "expected a number, found `fast`"),
+        ("--step", "1e-300", "1 s in steps of 1e-300 s are too many to count"),
+        ("--end", "-1", "expected a time not below 0, found -1"),
+        ("--threads", "0", "expected a whole number, 1 or more, found 0"),
+        ("--threads", "2.5", "expected a whole number, 1 or more, found 2.5"),
+        ("--precision", "f16", "expected \"f32\" or \"f64\", found \"f16\""),
+        ("--backend", "paralel", "did you mean `parallel`?"),
+        ("--integrator", "leapfog", "no integrator is named `leapfog`"),
+        ("--every", "0", "expected a whole number, 1 or more, found 0"),
+        ("--every", "x", "expected a whole number, 1 or more, found x"),
+    ] {
+        let wrong = vesper(["run", &path, option, value, "--out", &folder.file("out")]);
+        assert_eq!(wrong.status, 2, "{option} {value}");
+        for words in [&format!("--> {option} {value}\n")[..], expected, "1 mistake; nothing was run\n"] {
+            assert!(wrong.stderr.contains(words), "{option} {value} lacks {words}: {}", wrong.stderr);
+        }
+        assert!(!wrong.stderr.contains("--set"), "{}", wrong.stderr);
+    }
+}
+
+#[test]
 fn exit_status_3_with_the_state_up_to_then() {
     let folder = Scratch::new("broken");
     // A spring so stiff that the step makes it explode.
