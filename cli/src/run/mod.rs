@@ -18,7 +18,7 @@ use vesper::prelude::*;
 use vesper_laws::catalog::CatalogPrecision;
 
 use crate::assemble;
-use crate::fault::SceneFault;
+use crate::fault::{SceneFault, number};
 use crate::scene::Scene;
 use compare::Targets;
 use course::Course;
@@ -49,6 +49,16 @@ pub struct Ready<'s, P: CatalogPrecision> {
     resumed: bool,
 }
 
+/// A checkpoint from behind the end leaves nothing to run; one from the end itself was asked for twice, which is no fault.
+fn past_the_end<P: Precision>(scene: &Scene, engine: &Engine<P>, course: &Course) -> Result<(), Vec<SceneFault>> {
+    let slack = 1e-9 * course.step;
+    let Some(end) = scene.engine.end.as_ref().filter(|end| engine.time() > end.value + slack) else { return Ok(()) };
+    let text =
+        format!("the checkpoint, at {} s, is already past the end, {} s", number(engine.time()), number(end.value));
+    let help = "set a later end, with --end S, or leave --resume out".to_owned();
+    Err(vec![scene.fault(end.span, text, Some(help))])
+}
+
 impl<'s, P: CatalogPrecision> Ready<'s, P> {
     /// Puts the scene together, to begin at its start or to go on from a checkpoint.
     ///
@@ -74,6 +84,7 @@ impl<'s, P: CatalogPrecision> Ready<'s, P> {
         if let Some(checkpoint) = resume {
             engine.restore(checkpoint).map_err(|faults| assemble::run_faults(scene, &faults))?;
             course = course.resumed(checkpoint);
+            past_the_end(scene, &engine, &course)?;
         }
         Ok(Self { scene, engine, course, targets: targets.unwrap_or_default(), resumed: resume.is_some() })
     }

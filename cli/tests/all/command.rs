@@ -302,8 +302,10 @@ fn a_checkpoint_of_another_scene_is_refused() {
         assert!(refused.status == 2 && refused.stderr.contains("the checkpoint does not fit"), "{}", refused.stderr);
     }
     // At its end already: nothing to do is no fault.
-    let value = done(["run", &path, "--end", "0.05", "--resume", &half, "--json"]).json();
+    let value = done(["run", &path, "--end", "0.1", "--resume", &half, "--json"]).json();
     assert_eq!((&value["steps"], &value["time"]), (&json!(10), &json!(0.1)));
+    let past = vesper(["run", &path, "--end", "0.05", "--resume", &half]);
+    assert!(past.status == 2 && past.stderr.contains("at 0.1 s, is already past the end, 0.05 s"), "{}", past.stderr);
 }
 
 #[test]
