@@ -17,7 +17,8 @@ use crate::scene::{OptionKind, Override};
   vesper laws gravity
 
 Exit status: 0 done; 2 the scene or the arguments are wrong, and nothing was run or written;
-3 the run failed (a NaN, a step that cannot be taken), with the state up to then written."
+3 the run failed (a NaN, a step that cannot be taken), or something could not be written;
+130 the run was stopped by Ctrl-C, and what it had come to is written as at its end."
 )]
 pub struct Arguments {
     /// What to do.

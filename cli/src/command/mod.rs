@@ -26,6 +26,8 @@ pub enum Exit {
     Wrong,
     /// The run failed, or something could not be written.
     Failed,
+    /// Somebody stopped the run, whose state up to then is told and written as at its end.
+    Interrupted,
 }
 
 impl From<Exit> for ExitCode {
@@ -34,6 +36,8 @@ impl From<Exit> for ExitCode {
             Exit::Done => 0,
             Exit::Wrong => 2,
             Exit::Failed => 3,
+            // What shells say of a program that SIGINT ended: 128 and the signal's number.
+            Exit::Interrupted => 130,
         })
     }
 }

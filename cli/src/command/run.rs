@@ -1,7 +1,11 @@
 //! `vesper run`.
 
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
+use signal_hook::consts::SIGINT;
+use signal_hook::flag;
 use vesper::prelude::Checkpoint;
 use vesper_laws::catalog::CatalogPrecision;
 
@@ -61,7 +65,11 @@ fn go<P: CatalogPrecision>(
     let rows: usize = ready.engine.state().domains().iter().map(|domain| domain.rows()).sum();
     let frames = (LINES / rows.max(1) as u64).clamp(8, FRAMES);
     let every = every.unwrap_or(ready.course.frames().div_ceil(frames).max(1));
-    let request = Request { progress: !arguments.quiet, record_every: if folder.is_some() { every } else { 0 } };
+    let request = Request {
+        progress: !arguments.quiet,
+        record_every: if folder.is_some() { every } else { 0 },
+        stop: stop_on_interrupt(),
+    };
     let mut outcome = ready.run(request, &mut |engine, shown| match folder.as_mut() {
         Some(folder) => folder.add(scene, engine, shown),
         None => Ok(()),
@@ -72,7 +80,21 @@ fn go<P: CatalogPrecision>(
         outcome.faults.push(scene.fault_of_file(text));
     }
     let said = tell(arguments, scene, &outcome, every);
-    Ok(if outcome.faults.is_empty() { said } else { Exit::Failed })
+    Ok(match said {
+        _ if !outcome.faults.is_empty() => Exit::Failed,
+        Exit::Done if outcome.interrupted => Exit::Interrupted,
+        said => said,
+    })
+}
+
+/// A flag that the first Ctrl-C sets; the second one ends the command at once.
+fn stop_on_interrupt() -> Arc<AtomicBool> {
+    let stop = Arc::new(AtomicBool::new(false));
+    // In this order: the first time the flag is not yet set when it is asked for. Where no handler can be had, the first
+    // Ctrl-C ends the command, as it would without.
+    _ = flag::register_conditional_shutdown(SIGINT, 130, stop.clone())
+        .and_then(|_| flag::register(SIGINT, stop.clone()));
+    stop
 }
 
 fn tell(arguments: &Run, scene: &Scene, outcome: &Outcome, every: u64) -> Exit {
@@ -89,6 +111,13 @@ fn tell(arguments: &Run, scene: &Scene, outcome: &Outcome, every: u64) -> Exit {
     let said = say(&text);
     for fault in &outcome.faults {
         complain(&format!("{fault}\n"));
+    }
+    if outcome.interrupted && outcome.faults.is_empty() {
+        let on = match &arguments.out {
+            Some(out) => format!("go on with --resume {}", out.join("checkpoint.json").display()),
+            None => "with --out DIR there would be a checkpoint to go on from".to_owned(),
+        };
+        complain(&format!("interrupted at {} s, step {}; {on}\n", outcome.time, outcome.steps));
     }
     if !outcome.faults.is_empty() {
         let written = arguments.out.as_ref().map_or("", |_| "; the state up to then is written");

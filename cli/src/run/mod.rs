@@ -14,6 +14,9 @@ mod way;
 
 pub use outcome::{Compared, LawOutcome, Outcome};
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use vesper::prelude::*;
 use vesper_laws::catalog::CatalogPrecision;
 
@@ -26,12 +29,14 @@ use drive::Drive;
 use snapshot::{ShownDomain, shown_columns, snapshot};
 
 /// How a scene is run.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Request {
     /// Whether to show a progress bar, where standard error is a terminal.
     pub progress: bool,
     /// Record every frame of so many, the first and the last; 0 for none.
     pub record_every: u64,
+    /// Once it is true, the run ends with the step that it is in.
+    pub stop: Arc<AtomicBool>,
 }
 
 /// What a recorder gets: the engine, and the columns shown.
@@ -94,7 +99,7 @@ impl<'s, P: CatalogPrecision> Ready<'s, P> {
         let columns = shown_columns(self.scene, &self.engine);
         let (last, rest) = self.course.last();
         let steps = last.saturating_sub(self.engine.steps()) + u64::from(rest > 0.0);
-        let mut drive = Drive::new(self.engine.report().laws.len(), steps, "running", request.progress);
+        let mut drive = Drive::new(self.engine.report().laws.len(), steps, "running", &request);
         let mut outcome = Outcome { precision: P::NAME, ..Outcome::default() };
         let way = way::Way { scene: self.scene, course: self.course, targets: &self.targets };
         let mut show = |engine: &Engine<P>| record(engine, &snapshot(engine, &columns));
@@ -103,7 +108,7 @@ impl<'s, P: CatalogPrecision> Ready<'s, P> {
         let (wall, seconds) = drive.finish();
         outcome.wall_seconds = wall;
         if let (Some(compared), true) = (&mut outcome.compared, outcome.faults.is_empty() && !self.resumed) {
-            match way.distances_without::<P>(request.progress) {
+            match way.distances_without::<P>(&request) {
                 Ok(distances) => {
                     for (row, distance) in compared.iter_mut().zip(distances) {
                         row.without = Some(distance);
@@ -111,6 +116,7 @@ impl<'s, P: CatalogPrecision> Ready<'s, P> {
                 }
                 Err(faults) => outcome.faults = faults,
             }
+            outcome.interrupted = request.stop.load(Ordering::Relaxed);
         }
         outcome.compared.iter_mut().for_each(|rows| rows.sort_by_key(|row| row.row));
         let engine = &self.engine;

@@ -73,6 +73,8 @@ pub struct Outcome {
     pub skipped: Vec<String>,
     /// The engine after its last whole step.
     pub checkpoint: Option<Checkpoint>,
+    /// Whether somebody stopped the run before its end.
+    pub interrupted: bool,
     /// Why the run did not reach its end; empty if it did.
     pub faults: Vec<SceneFault>,
 }

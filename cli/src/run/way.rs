@@ -12,7 +12,7 @@ use vesper_laws::catalog::CatalogPrecision;
 use super::compare::{Target, Targets};
 use super::course::Course;
 use super::drive::Drive;
-use super::{Compared, Outcome};
+use super::{Compared, Outcome, Request};
 use crate::assemble;
 use crate::fault::SceneFault;
 use crate::scene::{LawRequest, Scene};
@@ -111,7 +111,7 @@ impl Way<'_> {
                     without: None,
                 });
             }
-            if engine.steps() >= last {
+            if engine.steps() >= last || drive.is_stopped() {
                 break;
             }
             let date = dates.peek().map_or(last, |(_, step, _)| *step);
@@ -126,9 +126,11 @@ impl Way<'_> {
             }
         }
         outcome.checkpoint = Some(engine.checkpoint());
-        if rest > 0.0 {
+        outcome.interrupted = engine.steps() < last;
+        if rest > 0.0 && !outcome.interrupted {
             // From where the engine says it is, so that its clock comes to the end itself.
             drive.to(engine, last + 1, course.end - engine.time()).map_err(|faults| self.broken(&faults))?;
+            outcome.interrupted = engine.steps() == last;
         }
         outcome.drift.look(engine).map_err(|faults| self.broken(&faults))
     }
@@ -144,7 +146,10 @@ impl Way<'_> {
     }
 
     /// The distances of a second run, without the laws that `[compare]` leaves out; none where it leaves none out.
-    pub(super) fn distances_without<P: CatalogPrecision>(&self, progress: bool) -> Result<Vec<f64>, Vec<SceneFault>> {
+    pub(super) fn distances_without<P: CatalogPrecision>(
+        &self,
+        request: &Request,
+    ) -> Result<Vec<f64>, Vec<SceneFault>> {
         let Some(compare) = &self.scene.compare else { return Ok(Vec::new()) };
         let left_out = |law: &&LawRequest| {
             compare.without.iter().any(|name| name.value == law.called() || name.value == law.name.value)
@@ -156,11 +161,14 @@ impl Way<'_> {
         let mut engine = switched_off::<P>(self.scene, &off)?;
         let dates = self.dates(engine.time());
         let last = dates.last().map_or(0, |(_, step, _)| *step);
-        let mut drive = Drive::new(self.scene.laws.len(), last, &format!("without {}", off.join(", ")), progress);
+        let mut drive = Drive::new(self.scene.laws.len(), last, &format!("without {}", off.join(", ")), request);
         let mut aside = Aside { scene: self.scene, off, engine: None };
         let mut distances = Vec::new();
         for (target, step, rest) in dates {
             drive.to(&mut engine, step, self.course.step).map_err(|faults| self.broken(&faults))?;
+            if engine.steps() < step {
+                break;
+            }
             distances.push(aside.distance(&engine, target, rest, &self.targets.domain)?);
         }
         drive.finish();

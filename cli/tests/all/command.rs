@@ -230,6 +230,39 @@ fn a_folder_of_results() {
     assert_eq!(folder.read("deep/out/bodies.csv").lines().count(), 1 + 2 * 11);
 }
 
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_is_written_and_goes_on() {
+    use std::process::{Command, Stdio};
+    let folder = Scratch::new("interrupt");
+    let path = folder.write("pair.toml", &PAIR.replace("end = 1", "end = 1e6\nframe = 0.1"));
+    let out = folder.file("out");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vesper"));
+    command.args(["run", &path, "--out", &out, "--every", "1000"]).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let run = command.spawn().unwrap();
+    // It runs once it has begun its table.
+    while !folder.0.join("out/bodies.csv").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    assert!(Command::new("kill").args(["-INT", &run.id().to_string()]).status().unwrap().success());
+    let ended = run.wait_with_output().unwrap();
+    let (said, complained) = (String::from_utf8(ended.stdout).unwrap(), String::from_utf8(ended.stderr).unwrap());
+    assert_eq!(ended.status.code(), Some(130), "{complained}");
+    assert!(complained.contains(&format!("--resume {out}/checkpoint.json")), "{complained}");
+    assert!(said.contains("steps of leapfrog"), "{said}");
+    let summary: serde_json::Value = serde_json::from_str(&folder.read("out/summary.json")).unwrap();
+    check_schema(&summary);
+    assert_eq!(summary["error"], "interrupted");
+    let time = summary["time"].as_f64().unwrap();
+    assert!(time < 1e6);
+    assert!(folder.read("out/bodies.csv").lines().last().unwrap().starts_with(&format!("{time:?},1,")));
+    // Where it goes on to, it comes to the same bits as a run in one.
+    let (end, half) = ((time + 1.0).to_string(), folder.file("out/checkpoint.json"));
+    let json =
+        |more: &[&str]| done([&["run", &path, "--json", "--end", &end], more].concat()).json()["domains"].clone();
+    assert_eq!(json(&["--resume", &half]), json(&[]));
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_told_and_a_reader_that_went_away_is_not() {
