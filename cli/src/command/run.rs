@@ -11,8 +11,8 @@ use vesper_laws::catalog::CatalogPrecision;
 
 use super::arguments::Run;
 use super::{Exit, complain, precision, read, say};
-use crate::fault::SceneFault;
-use crate::output::folder::Folder;
+use crate::fault::{SceneFault, number};
+use crate::output::folder::{CHECKPOINT, Folder};
 use crate::output::{checkpoint, json, summary};
 use crate::run::{Outcome, Ready, Request};
 use crate::scene::{Precision, Scene};
@@ -74,12 +74,13 @@ fn go<P: CatalogPrecision>(
         Some(folder) => folder.add(scene, engine, shown),
         None => Ok(()),
     });
-    if let Some(folder) = folder.take()
-        && let Err(text) = folder.finish(scene, &outcome)
-    {
-        outcome.faults.push(scene.fault_of_file(text));
+    let mut files = Vec::new();
+    if let Some(folder) = folder.take() {
+        let written = folder.finish(scene, &outcome);
+        files = written.files;
+        outcome.faults.extend(written.faults.into_iter().map(|text| scene.fault_of_file(text)));
     }
-    let said = tell(arguments, scene, &outcome, every);
+    let said = tell(arguments, scene, &outcome, every, &files);
     Ok(match said {
         _ if !outcome.faults.is_empty() => Exit::Failed,
         Exit::Done if outcome.interrupted => Exit::Interrupted,
@@ -97,15 +98,15 @@ fn stop_on_interrupt() -> Arc<AtomicBool> {
     stop
 }
 
-fn tell(arguments: &Run, scene: &Scene, outcome: &Outcome, every: u64) -> Exit {
+fn tell(arguments: &Run, scene: &Scene, outcome: &Outcome, every: u64, files: &[String]) -> Exit {
     let mut text = String::new();
     if arguments.json {
         text = json::text(&json::outcome(outcome));
     } else if !arguments.quiet {
         text = summary::summary(scene, outcome);
-        if let Some(out) = &arguments.out {
+        if let (Some(out), true) = (&arguments.out, outcome.faults.is_empty()) {
             let frames = if every == 1 { "every frame".to_owned() } else { format!("one frame in {every}") };
-            text += &format!("\n{frames} written to {}\n", out.display());
+            text += &format!("\n{frames} written to {}: {}\n", out.display(), files.join(", "));
         }
     }
     let said = say(&text);
@@ -114,14 +115,21 @@ fn tell(arguments: &Run, scene: &Scene, outcome: &Outcome, every: u64) -> Exit {
     }
     if outcome.interrupted && outcome.faults.is_empty() {
         let on = match &arguments.out {
-            Some(out) => format!("go on with --resume {}", out.join("checkpoint.json").display()),
+            Some(out) => format!("go on with --resume {}", out.join(CHECKPOINT).display()),
             None => "with --out DIR there would be a checkpoint to go on from".to_owned(),
         };
-        complain(&format!("interrupted at {} s, step {}; {on}\n", outcome.time, outcome.steps));
+        complain(&format!("interrupted at {} s, step {}; {on}\n", number(outcome.time), outcome.steps));
     }
     if !outcome.faults.is_empty() {
-        let written = arguments.out.as_ref().map_or("", |_| "; the state up to then is written");
-        complain(&format!("the run failed at {} s, step {}{written}\n", outcome.time, outcome.steps));
+        complain(&format!("the run failed at {} s, step {}\n", number(outcome.time), outcome.steps));
+        if let (Some(out), false) = (&arguments.out, files.is_empty()) {
+            complain(&format!("written to {}: {}\n", out.display(), files.join(", ")));
+            let checkpoint = outcome.checkpoint.as_ref().filter(|_| files.iter().any(|file| file == CHECKPOINT));
+            if let Some(checkpoint) = checkpoint {
+                let (time, steps, path) = (number(checkpoint.time), checkpoint.steps, out.join(CHECKPOINT));
+                complain(&format!("go on from {time} s, step {steps}, with --resume {}\n", path.display()));
+            }
+        }
     }
     said
 }

@@ -71,7 +71,7 @@ pub struct Outcome {
     pub compared: Option<Vec<Compared>>,
     /// Names of the table that the scene does not have.
     pub skipped: Vec<String>,
-    /// The engine after its last whole step.
+    /// The engine after its last whole step; of a run that failed, at a moment before that, if there was one.
     pub checkpoint: Option<Checkpoint>,
     /// Whether somebody stopped the run before its end.
     pub interrupted: bool,

@@ -120,6 +120,10 @@ impl Way<'_> {
             let between = engine.steps() < last;
             if to_look.passes(engine.steps(), course) && between {
                 outcome.drift.look(engine).map_err(|faults| self.broken(&faults))?;
+                // To go on from where the run fails further on. Who writes no files has no use for it.
+                if show_every > 0 {
+                    outcome.checkpoint = Some(engine.checkpoint());
+                }
             }
             if to_show.passes(engine.steps(), course) && between {
                 show(engine).map_err(|text| vec![self.scene.fault_of_file(text)])?;

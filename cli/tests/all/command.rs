@@ -150,7 +150,8 @@ fn exit_status_3_with_the_state_up_to_then() {
     let broken = vesper(["run", &path, "--json", "--out", &out]);
     assert_eq!(broken.status, 3, "{}", broken.stderr);
     assert!(
-        broken.stderr.contains("became") && broken.stderr.contains("the state up to then is written"),
+        broken.stderr.contains("became")
+            && broken.stderr.contains(&format!("written to {out}: bodies.csv, trajectories.svg, summary.json\n")),
         "{}",
         broken.stderr
     );
@@ -164,6 +165,54 @@ fn exit_status_3_with_the_state_up_to_then() {
     assert!(table.lines().last().unwrap().starts_with(&format!("{time:?},1,")), "{table}");
     assert_eq!(serde_json::from_str::<serde_json::Value>(&folder.read("out/summary.json")).unwrap()["steps"], steps);
     assert!(!folder.0.join("out/checkpoint.json").exists(), "there is nothing to go on from");
+}
+
+#[test]
+fn a_run_that_fails_late_leaves_a_checkpoint_from_before() {
+    let folder = Scratch::new("late");
+    // A little stiffer than the step can follow: it takes about 1000 steps to grow beyond all numbers.
+    let path = folder
+        .write("pair.toml", &PAIR.replace("stiffness = [10]", "stiffness = [30000]").replace("end = 1", "end = 100"));
+    let out = folder.file("out");
+    let broken = vesper(["run", &path, "--out", &out, "--quiet"]);
+    assert_eq!(broken.status, 3, "{}", broken.stderr);
+    let half = folder.file("out/checkpoint.json");
+    let state: serde_json::Value = serde_json::from_str(&folder.read("out/checkpoint.json")).unwrap();
+    let failed: serde_json::Value = serde_json::from_str(&folder.read("out/summary.json")).unwrap();
+    let (kept, last) = (state["steps"].as_u64().unwrap(), failed["steps"].as_u64().unwrap());
+    assert!(0 < kept && kept < last && last - kept <= 80, "{kept} {last}");
+    assert!(broken.stderr.contains(&format!("step {kept}, with --resume {half}\n")), "{}", broken.stderr);
+    done([
+        "run",
+        &path,
+        "--resume",
+        &half,
+        "--step",
+        "0.001",
+        "--end",
+        &(0.01 * kept as f64 + 0.1).to_string(),
+        "--quiet",
+    ]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn files_that_cannot_be_written_are_not_said_to_be() {
+    let all = ["bodies.csv", "trajectories.svg", "summary.json", "checkpoint.json"];
+    for (index, lost) in all.iter().enumerate() {
+        let folder = Scratch::new(&format!("lost-{index}"));
+        let path = folder.write("pair.toml", PAIR);
+        std::fs::create_dir(folder.0.join("out")).unwrap();
+        std::os::unix::fs::symlink("/dev/full", folder.0.join("out").join(lost)).unwrap();
+        let out = folder.file("out");
+        let failed = vesper(["run", &path, "--out", &out]);
+        assert_eq!(failed.status, 3, "{lost}");
+        let written: Vec<&str> = all.into_iter().filter(|file| file != lost).collect();
+        for words in [format!("cannot write `{out}/{lost}`"), format!("written to {out}: {}\n", written.join(", "))] {
+            assert!(failed.stderr.contains(&words), "{lost} lacks {words}: {}", failed.stderr);
+        }
+        assert!(!failed.stdout.contains("written"), "{}", failed.stdout);
+    }
 }
 
 #[test]
