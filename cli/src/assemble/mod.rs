@@ -13,7 +13,7 @@ use vesper::prelude::*;
 use vesper::registry::Backend;
 use vesper_laws::catalog::CatalogPrecision;
 
-use crate::fault::{SceneFault, Span, Spanned, help_for};
+use crate::fault::{SceneFault, Span, Spanned};
 use crate::scene::{BackendChoice, ColumnData, DomainData, FieldData, FieldShape, Parameter, Scene};
 use laws::factor;
 
@@ -309,8 +309,7 @@ impl Notes<'_> {
             match integrators::integrator(name) {
                 Some(known) => builder = builder.boxed_integrator((known.make)()),
                 None => {
-                    let help = help_for(name, integrators::INTEGRATORS.iter().map(|known| known.name));
-                    self.fault(choice.name.span, format!("no integrator is named `{name}`"), help);
+                    self.fault(choice.name.span, format!("no integrator is named `{name}`"), integrators::help(name));
                 }
             }
             for option in choice.options.iter().filter(|_| integrators::integrator(name).is_some()) {

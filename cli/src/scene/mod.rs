@@ -16,6 +16,7 @@ mod fill;
 mod overrides;
 mod sections;
 mod tree;
+mod unit_names;
 mod walk;
 
 use std::path::{Path, PathBuf};

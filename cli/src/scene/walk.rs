@@ -6,6 +6,7 @@ use vesper_dimension::Unit;
 
 use super::data::Parameter;
 use super::tree::{Node, Table, Value};
+use super::unit_names;
 use crate::fault::{SceneFault, Sources, Span, Spanned, help_for, nearest, number};
 
 /// The faults found so far, and the texts they point into.
@@ -214,7 +215,8 @@ impl Walk {
         match Unit::parse(&text.value) {
             Ok(_) => Some(text),
             Err(error) => {
-                self.fault(node.span, error.message(&text.value), None);
+                let (text, help) = unit_names::message(error, &text.value);
+                self.fault(node.span, text, help);
                 None
             }
         }

@@ -85,8 +85,10 @@ const ENGINES: &[(&str, &str)] = &[
     ("step = 1\nend = 1\nintegrator = \"leapfog\"", "4:14: no integrator is named `leapfog`; did you mean `leapfrog`?"),
     (
         "step = 1\nend = 1\nintegrator = \"euler\"",
-        "4:14: no integrator is named `euler`; known here: semi_implicit_euler, leapfrog, runge_kutta_4",
+        "4:14: no integrator is named `euler`; did you mean `semi_implicit_euler`?",
     ),
+    ("step = 1\nend = 1\nintegrator = \"rk4\"", "4:14: no integrator is named `rk4`; did you mean `runge_kutta_4`?"),
+    ("step = 1\nend = 1\nintegrator = \"KDK\"", "4:14: no integrator is named `KDK`; did you mean `leapfrog`?"),
     ("step = 1\nend = 1\nintegrator = { name = \"leapfrog\", rtol = 1e-9 }", "4:35: `leapfrog` has no option `rtol`"),
     ("step = 1\nend = 1\nbackend = \"gpu\"", "4:11: this build has no GPU backend; use auto, cpu or parallel"),
     ("step = 1\nend = 1\nthreads = 100000", "4:11: expected at most 1024 threads, found 100000"),
