@@ -26,16 +26,19 @@ fn write(text: &mut String, scene: &Scene, outcome: &Outcome) -> fmt::Result {
     let steps = outcome.steps.max(1) as f64;
     writeln!(
         text,
-        "time {} s{} in {} steps of {}, {} evaluations, {}, {} s of computing ({} s a step)",
+        "time {} s{} in {} of {}, {} evaluations, {}, {} s of computing ({} s a step)",
         rounded(outcome.time, 10),
         if outcome.time.abs() >= 172_800.0 { format!(" ({})", duration(outcome.time)) } else { String::new() },
-        outcome.steps,
+        plural(outcome.steps as usize, "step"),
         outcome.integrator,
         outcome.evaluations,
         outcome.precision,
         rounded(outcome.wall_seconds, 3),
         rounded(outcome.wall_seconds / steps, 2),
     )?;
+    if let Some((last, step)) = outcome.short_step {
+        writeln!(text, "the last step is {} s, not {} s, to come to the end", rounded(last, 4), rounded(step, 4))?;
+    }
     laws(text, outcome)?;
     for unused in &outcome.unused {
         writeln!(text, "{unused} is unused: no running law touches it")?;

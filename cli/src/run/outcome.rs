@@ -51,6 +51,8 @@ pub struct Outcome {
     pub time: f64,
     /// Steps taken, since the scene's start.
     pub steps: u64,
+    /// The length of a last step that was shorter than the others, and theirs, in s.
+    pub short_step: Option<(f64, f64)>,
     /// Evaluations of the laws, since the scene's start.
     pub evaluations: u64,
     /// Time of the integration in this run, in s.

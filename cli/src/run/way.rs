@@ -135,6 +135,7 @@ impl Way<'_> {
             // From where the engine says it is, so that its clock comes to the end itself.
             drive.to(engine, last + 1, course.end - engine.time()).map_err(|faults| self.broken(&faults))?;
             outcome.interrupted = engine.steps() == last;
+            outcome.short_step = (!outcome.interrupted).then_some((rest, course.step));
         }
         outcome.drift.look(engine).map_err(|faults| self.broken(&faults))
     }

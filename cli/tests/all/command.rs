@@ -238,6 +238,9 @@ fn changes_of_the_scene() {
     // The end is covered exactly, by a shorter last step.
     let odd = run(&["--end", "0.123"]);
     assert_eq!((&odd["time"], &odd["steps"]), (&json!(0.123), &json!(13)));
+    let long = done(["run", &path, "--step", "100", "--end", "3"]).stdout;
+    assert!(long.contains("in 1 step of") && long.contains("the last step is 3 s, not 100 s"), "{long}");
+    assert!(!done(["run", &path]).stdout.contains("the last step"));
 }
 
 #[test]
