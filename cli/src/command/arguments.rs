@@ -37,7 +37,11 @@ pub enum Command {
   vesper run scene.toml --json > result.json
   vesper run scene.toml --end 20 --out more --resume results/checkpoint.json
 
---out DIR writes a table for each domain (DOMAIN.csv), trajectories.svg, summary.json and checkpoint.json, all in SI.
+--out DIR writes a table (DOMAIN.csv) for each domain that shows columns, trajectories.svg, summary.json and
+checkpoint.json; files of these names that are in DIR are overwritten. Shown are the columns of engine.observe, or else
+those that laws move: bodies have a table of positions and velocities, springs have none. All numbers are in SI:
+positions in m, velocities in m/s; `vesper laws NAME` tells the units of others.
+
 A path of --set is names between dots: engine.step, constants.gravity, laws.NAME.PARAMETER, domains.NAME.COLUMN.ROW.")]
     Run(Run),
     /// Prints the law graph of a scene: who runs, in which order, why, where, and who does not
@@ -92,7 +96,7 @@ pub struct Run {
     /// Fixed step, in s
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub step: Option<String>,
-    /// Folder for tables, picture, summary and checkpoint
+    /// Folder for tables, picture, summary and checkpoint; those in it from an earlier run are overwritten
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Write every N-th frame [default: at most 1000 frames and 200000 lines in all]

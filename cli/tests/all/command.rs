@@ -394,6 +394,15 @@ fn a_checkpoint_of_another_scene_is_refused() {
 }
 
 #[test]
+fn the_help_tells_what_is_written_and_offers_what_there_is() {
+    let help = done(["run", "--help"]).stdout;
+    for words in ["for each domain that shows columns", "overwritten", "velocities in m/s", "auto|cpu|parallel"] {
+        assert!(help.contains(words), "{words}: {help}");
+    }
+    assert!(!help.contains("gpu"), "{help}");
+}
+
+#[test]
 fn the_laws_are_told() {
     let list = done(["laws"]).stdout;
     let names: Vec<&str> = list.lines().map(|line| line.split(' ').next().unwrap()).collect();
