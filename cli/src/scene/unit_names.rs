@@ -95,8 +95,8 @@ mod tests {
             let (said, help) = message(Unit::parse(text).unwrap_err(), text);
             assert!(said.ends_with(expected) && help.is_none(), "{text}: {said}");
         }
-        // A year takes prefixes or not, as the table of units has it; another size is suggested in no case.
-        let (said, help) = Unit::parse("gyear").err().map(|error| message(error, "gyear")).unwrap();
-        assert!(!format!("{said}{help:?}").contains("mean `yr`"), "{said}");
+        let (said, help) = message(Unit::parse("Gyear").unwrap_err(), "Gyear");
+        assert_eq!(said, "unknown unit `Gyear` in \"Gyear\"");
+        assert_eq!(help.as_deref(), Some("`yr` takes no prefix: write the number in yr"));
     }
 }
