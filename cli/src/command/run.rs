@@ -13,6 +13,7 @@ use super::arguments::Run;
 use super::{Exit, complain, precision, read, say};
 use crate::fault::{SceneFault, number};
 use crate::output::folder::{CHECKPOINT, Folder};
+use crate::output::picture::worth_adding;
 use crate::output::{checkpoint, json, summary};
 use crate::run::{Outcome, Ready, Request};
 use crate::scene::{Precision, Scene};
@@ -68,6 +69,7 @@ fn go<P: CatalogPrecision>(
     let request = Request {
         progress: !arguments.quiet,
         record_every: if folder.is_some() { every } else { 0 },
+        draw_every: if folder.is_some() { worth_adding(ready.engine.state(), ready.course.frames()) } else { 0 },
         stop: stop_on_interrupt(),
     };
     let mut outcome = ready.run(request, &mut |engine, shown| match folder.as_mut() {

@@ -49,7 +49,7 @@ impl Folder {
         Ok(Self { path: path.to_owned(), tables: Vec::new(), trails: Trails::default() })
     }
 
-    /// Adds a moment of the run.
+    /// Adds a moment of the run, to the tables too where there are columns for them.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -57,9 +57,9 @@ impl Folder {
         &mut self,
         scene: &Scene,
         engine: &Engine<P>,
-        shown: &[ShownDomain],
+        shown: Option<&[ShownDomain]>,
     ) -> Result<(), String> {
-        for domain in shown {
+        for domain in shown.unwrap_or_default() {
             if !self.tables.iter().any(|(name, ..)| *name == domain.name) {
                 let file = self.file_name(&domain.name);
                 let path = self.path.join(&file);

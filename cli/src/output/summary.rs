@@ -6,7 +6,7 @@
 use std::fmt::{self, Write};
 
 use super::picture::duration;
-use super::rounded;
+use super::{rounded, title};
 use crate::run::drift::VectorDrift;
 use crate::run::{LawOutcome, Outcome};
 use crate::scene::{CompareTime, Scene, plural};
@@ -20,8 +20,8 @@ pub fn summary(scene: &Scene, outcome: &Outcome) -> String {
 }
 
 fn write(text: &mut String, scene: &Scene, outcome: &Outcome) -> fmt::Result {
-    if let Some(title) = &scene.title {
-        writeln!(text, "{}", title.value)?;
+    if let Some(title) = title(scene, outcome.time) {
+        writeln!(text, "{title}")?;
     }
     let steps = outcome.steps.max(1) as f64;
     writeln!(
@@ -106,8 +106,11 @@ fn invariants(text: &mut String, outcome: &Outcome) -> fmt::Result {
     } else {
         "in J, kg m/s, kg m^2/s"
     };
-    writeln!(text, "{units}; changed by: the largest change on the way, as a part of the first energy,")?;
-    writeln!(text, "or of the momenta of all rows added up without their directions")?;
+    writeln!(text, "{units}")?;
+    writeln!(
+        text,
+        "changed by: the largest change on the way, as a part of the first energy, or of the rows' magnitudes"
+    )?;
     if let [first, more @ ..] = &energy.silent[..] {
         let which = if more.is_empty() { "this law does" } else { "these laws do" };
         let names = more.iter().fold(first.clone(), |names, name| format!("{names}, {name}"));

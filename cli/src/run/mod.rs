@@ -35,12 +35,14 @@ pub struct Request {
     pub progress: bool,
     /// Record every frame of so many, the first and the last; 0 for none.
     pub record_every: u64,
+    /// Draw every frame of so many, beside those recorded; 0 for none.
+    pub draw_every: u64,
     /// Once it is true, the run ends with the step that it is in.
     pub stop: Arc<AtomicBool>,
 }
 
-/// What a recorder gets: the engine, and the columns shown.
-pub type Record<'r, P> = dyn FnMut(&Engine<P>, &[ShownDomain]) -> Result<(), String> + 'r;
+/// What a recorder gets: the engine, and the columns shown; none at a moment that is only to be drawn.
+pub type Record<'r, P> = dyn FnMut(&Engine<P>, Option<&[ShownDomain]>) -> Result<(), String> + 'r;
 
 /// A scene that is ready to run: everything that can be wrong with it has been looked at.
 #[derive(Debug)]
@@ -102,8 +104,11 @@ impl<'s, P: CatalogPrecision> Ready<'s, P> {
         let mut drive = Drive::new(self.engine.report().laws.len(), steps, "running", &request);
         let mut outcome = Outcome { precision: P::NAME, ..Outcome::default() };
         let way = way::Way { scene: self.scene, course: self.course, targets: &self.targets };
-        let mut show = |engine: &Engine<P>| record(engine, &snapshot(engine, &columns));
-        let went = way.go(&mut self.engine, &mut drive, &mut outcome, request.record_every, &mut show);
+        let mut show = |engine: &Engine<P>, whole: bool| {
+            let shown = whole.then(|| snapshot(engine, &columns));
+            record(engine, shown.as_deref())
+        };
+        let went = way.go(&mut self.engine, &mut drive, &mut outcome, &request, &mut show);
         outcome.faults = went.err().unwrap_or_default();
         let (wall, seconds) = drive.finish();
         outcome.wall_seconds = wall;

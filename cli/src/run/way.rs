@@ -52,7 +52,8 @@ impl Due {
     }
 }
 
-type Show<'s, P> = dyn FnMut(&Engine<P>) -> Result<(), String> + 's;
+/// Shows a moment: to be recorded, or only to be drawn.
+type Show<'s, P> = dyn FnMut(&Engine<P>, bool) -> Result<(), String> + 's;
 
 impl Way<'_> {
     fn broken(&self, faults: &Faults) -> Vec<SceneFault> {
@@ -65,18 +66,23 @@ impl Way<'_> {
         engine: &mut Engine<P>,
         drive: &mut Drive,
         outcome: &mut Outcome,
-        show_every: u64,
+        request: &Request,
         show: &mut Show<'_, P>,
     ) -> Result<(), Vec<SceneFault>> {
-        let wrong = |text: String| vec![self.scene.fault_of_file(text)];
-        if show_every > 0 {
-            show(engine).map_err(wrong)?;
+        let mut recorded = None;
+        let mut show = |engine: &Engine<P>, record: bool| {
+            if record && recorded.replace(engine.steps()) == Some(engine.steps()) {
+                return Ok(());
+            }
+            show(engine, record).map_err(|text| vec![self.scene.fault_of_file(text)])
+        };
+        if request.record_every > 0 {
+            show(engine, true)?;
         }
-        let begun = engine.steps();
-        let went = self.go_on(engine, drive, outcome, show_every, show);
+        let went = self.go_on(engine, drive, outcome, request, &mut show);
         // The last moment is shown whichever way it ended.
-        if show_every > 0 && engine.steps() > begun {
-            show(engine).map_err(wrong)?;
+        if request.record_every > 0 {
+            show(engine, true)?;
         }
         went
     }
@@ -86,13 +92,14 @@ impl Way<'_> {
         engine: &mut Engine<P>,
         drive: &mut Drive,
         outcome: &mut Outcome,
-        show_every: u64,
-        show: &mut Show<'_, P>,
+        request: &Request,
+        show: &mut dyn FnMut(&Engine<P>, bool) -> Result<(), Vec<SceneFault>>,
     ) -> Result<(), Vec<SceneFault>> {
         let course = &self.course;
         let (last, rest) = course.last();
         let look_every = course.frames().div_ceil(moments(engine)).max(1);
-        let mut to_show = Due::after(engine.steps(), show_every, course);
+        let mut to_record = Due::after(engine.steps(), request.record_every, course);
+        let mut to_draw = Due::after(engine.steps(), request.draw_every, course);
         let mut to_look = Due::after(engine.steps(), look_every, course);
         let mut dates = self.dates(engine.time()).into_iter().peekable();
         let mut aside = Aside { scene: self.scene, off: Vec::new(), engine: None };
@@ -115,18 +122,20 @@ impl Way<'_> {
                 break;
             }
             let date = dates.peek().map_or(last, |(_, step, _)| *step);
-            let next = last.min(date).min(to_show.step(course)).min(to_look.step(course));
+            let due = [&to_record, &to_draw, &to_look].map(|due| due.step(course));
+            let next = due.into_iter().fold(last.min(date), u64::min);
             drive.to(engine, next, course.step).map_err(|faults| self.broken(&faults))?;
             let between = engine.steps() < last;
             if to_look.passes(engine.steps(), course) && between {
                 outcome.drift.look(engine).map_err(|faults| self.broken(&faults))?;
                 // To go on from where the run fails further on. Who writes no files has no use for it.
-                if show_every > 0 {
+                if request.record_every > 0 {
                     outcome.checkpoint = Some(engine.checkpoint());
                 }
             }
-            if to_show.passes(engine.steps(), course) && between {
-                show(engine).map_err(|text| vec![self.scene.fault_of_file(text)])?;
+            let (record, draw) = (to_record.passes(engine.steps(), course), to_draw.passes(engine.steps(), course));
+            if (record || draw) && between {
+                show(engine, record)?;
             }
         }
         outcome.checkpoint = Some(engine.checkpoint());

@@ -40,6 +40,8 @@ pub struct Scene {
     pub title: Option<Spanned<String>>,
     /// Section `[engine]`.
     pub engine: EngineSettings,
+    /// The end that the file says, in s, whatever a change of it says.
+    pub own_end: Option<f64>,
     /// Section `[constants]`: the one row of domain "scene".
     pub constants: Vec<Parameter>,
     /// Section `[fields]`.
@@ -101,10 +103,12 @@ impl Scene {
         for (span, text) in faults {
             walk.syntax_fault(span, text);
         }
+        let own = root.get("engine").map(|node| sections::engine(&mut Walk::default(), node));
         for (change, base) in overrides.iter().zip(bases) {
             overrides::apply(&mut walk, &mut root, change, base);
         }
-        let mut scene = Self { folder: folder.to_owned(), ..Self::default() };
+        let own_end = own.and_then(|engine| engine.end).map(|end| end.value);
+        let mut scene = Self { folder: folder.to_owned(), own_end, ..Self::default() };
         scene.read_sections(&mut walk, &root);
         // What is lost in a gap of the syntax would be missed here, and faulted for the wrong reason.
         if walk.is_whole() {

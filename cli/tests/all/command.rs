@@ -344,6 +344,24 @@ fn a_full_disk_is_told_and_a_reader_that_went_away_is_not() {
     }
 }
 
+#[test]
+fn a_picture_has_more_moments_than_its_table_and_a_title_of_what_was_run() {
+    let folder = Scratch::new("picture");
+    let path = folder.write("pair.toml", PAIR);
+    let draw = |more: &[&str]| {
+        done([&["run", &path, "--quiet", "--out", &folder.file("out"), "--every", "50"], more].concat());
+        folder.read("out/trajectories.svg")
+    };
+    let whole = draw(&[]);
+    assert_eq!(folder.read("out/bodies.csv").lines().count(), 1 + 2 * 3);
+    let points = whole.lines().filter(|line| line.starts_with("<path d=\"M") && line.contains("stroke-linejoin"));
+    let points: Vec<usize> = points.map(|line| line.matches('L').count()).collect();
+    assert!(points.len() == 2 && points.iter().all(|points| *points > 60), "{points:?}");
+    assert!(!whole.contains("run to"), "{whole}");
+    let part = draw(&["--end", "0.5"]);
+    assert!(part.contains("&lt;c&gt; (run to 0.5 s)</text>"), "{part}");
+}
+
 /// Runs to `end` at once, and to `middle` and on from there: the same bits.
 fn resumes(name: &str, scene: &str, middle: &str, end: &str, more: &[&str]) {
     let folder = Scratch::new(name);
