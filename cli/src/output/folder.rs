@@ -73,7 +73,7 @@ impl Folder {
             let Some((_, file, place @ Some(_))) = known else { continue };
             if let Some(Err(error)) = place.as_mut().map(|table| table.add(engine.time(), domain)) {
                 *place = None;
-                return Err(cannot_write(&self.path.join(&file), &error));
+                return Err(cannot_write(&self.path.join(file), &error));
             }
         }
         self.trails.add(engine.state());

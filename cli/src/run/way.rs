@@ -53,7 +53,7 @@ impl Due {
 }
 
 /// Shows a moment: to be recorded, or only to be drawn.
-type Show<'s, P> = dyn FnMut(&Engine<P>, bool) -> Result<(), String> + 's;
+type Show<'s, P, E> = dyn FnMut(&Engine<P>, bool) -> Result<(), E> + 's;
 
 impl Way<'_> {
     fn broken(&self, faults: &Faults) -> Vec<SceneFault> {
@@ -67,7 +67,7 @@ impl Way<'_> {
         drive: &mut Drive,
         outcome: &mut Outcome,
         request: &Request,
-        show: &mut Show<'_, P>,
+        show: &mut Show<'_, P, String>,
     ) -> Result<(), Vec<SceneFault>> {
         let mut recorded = None;
         let mut show = |engine: &Engine<P>, record: bool| {
@@ -93,7 +93,7 @@ impl Way<'_> {
         drive: &mut Drive,
         outcome: &mut Outcome,
         request: &Request,
-        show: &mut dyn FnMut(&Engine<P>, bool) -> Result<(), Vec<SceneFault>>,
+        show: &mut Show<'_, P, Vec<SceneFault>>,
     ) -> Result<(), Vec<SceneFault>> {
         let course = &self.course;
         let (last, rest) = course.last();
