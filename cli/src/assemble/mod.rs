@@ -53,7 +53,9 @@ pub fn asleep(scene: &Scene, report: &Report) -> Vec<SceneFault> {
         let slip = why.missing.iter().find(slip).and_then(|missing| missing.nearest.as_deref());
         let span = slip.and_then(|near| places::column_of(scene, &law.domain, near));
         let span = span.or_else(|| places::law_name(scene, &law.label));
-        if let (true, Some(span)) = (slip.is_some() || none_runs, span) {
+        // One slip may put several laws to sleep, and is one mistake.
+        let new = span.filter(|span| !notes.faults.iter().any(|(known, _)| known == span));
+        if let (true, Some(span)) = (slip.is_some() || none_runs, new) {
             let help = match slip {
                 Some(_) => "no law knows this name; a law that may sleep is listed with `enabled = false`",
                 None => "no law of the scene runs; `vesper explain` tells what each needs",

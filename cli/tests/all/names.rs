@@ -153,6 +153,8 @@ fn a_law_that_sleeps_by_mistake_is_a_fault() {
         let found = faults(&format!("{BODY}{text}"));
         assert!(found.len() == 1 && found[0] == expected, "{text}\n  expected {expected}\n  found    {found:#?}");
     }
+    let both = faults(&format!("{BODY}velocty = [[0, 0, 1]]\nmass = [1]\ndrag_coefficient = [1]\n{motion}{drag}"));
+    assert!(both.len() == 1 && both[0].starts_with("6:1: motion is dormant"), "one slip is one mistake: {both:#?}");
     // A law that lacks what nothing resembles may sleep, and so may one that is switched off.
     assert!(faults(&format!("{BODY}{moving}colour = [1]\n{motion}{drag}")).is_empty());
     assert!(faults(&format!("{BODY}{moving}drag_coeficient = [1]\n{motion}{drag}enabled = false\n")).is_empty());
@@ -176,4 +178,20 @@ fn unknown_properties_are_kept_in_si() {
     assert_eq!(outcome.domains[0].columns[0].numbers, [0.002]);
     assert_eq!(outcome.domains[0].columns[0].property.unit, "K");
     assert_eq!(outcome.unused, ["bodies.position", "bodies.boiling_point"]);
+}
+
+#[test]
+fn a_moment_at_which_a_run_is_stopped_is_recorded_once() {
+    let text = format!("{BODY}mass = [1]\nvelocity = [[0, 0, 1]]\n[[laws]]\nname = \"motion\"\n");
+    let scene = Scene::from_text("a.toml", &text.replace("end = 1", "end = 1000"), Path::new(""), &[]).unwrap();
+    let request = vesper_cli::run::Request { record_every: 10, draw_every: 4, ..Default::default() };
+    let (stop, mut recorded, mut drawn) = (request.stop.clone(), Vec::new(), Vec::new());
+    let outcome = Ready::<f64>::new(&scene, None).unwrap().run(request, &mut |engine, shown| {
+        let moments = if shown.is_some() { &mut recorded } else { &mut drawn };
+        moments.push(engine.steps());
+        stop.store(engine.steps() == 20, std::sync::atomic::Ordering::Relaxed);
+        Ok(())
+    });
+    assert!(outcome.interrupted && outcome.faults.is_empty());
+    assert_eq!((outcome.steps, recorded, drawn), (20, vec![0, 10, 20], vec![4, 8, 12, 16]));
 }
