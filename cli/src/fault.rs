@@ -206,6 +206,11 @@ pub fn help_for<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
     }
 }
 
+/// All digits, and no more zeros than one can count.
+pub(crate) fn number(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e9).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

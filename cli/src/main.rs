@@ -3,8 +3,8 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use vesper_cli::command::{Arguments, execute};
+use vesper_cli::command::{Arguments, execute, refuse};
 
 fn main() -> ExitCode {
-    execute(&Arguments::parse()).into()
+    Arguments::try_parse().map_or_else(|error| refuse(&error), |arguments| execute(&arguments)).into()
 }

@@ -2,6 +2,8 @@
 
 use vesper::prelude::*;
 
+use crate::fault::help_for;
+
 /// An integrator that a scene can name.
 #[derive(Clone, Copy, Debug)]
 pub struct NamedIntegrator {
@@ -32,6 +34,29 @@ pub const INTEGRATORS: &[NamedIntegrator] = &[
     },
 ];
 
+/// What people call them elsewhere; hints, not names that a scene could use.
+const ELSEWHERE: &[(&str, &str)] = &[
+    ("rk4", "runge_kutta_4"),
+    ("runge_kutta", "runge_kutta_4"),
+    ("rungekutta4", "runge_kutta_4"),
+    ("kdk", "leapfrog"),
+    ("verlet", "leapfrog"),
+    ("velocity_verlet", "leapfrog"),
+    ("stormer_verlet", "leapfrog"),
+    ("euler", "semi_implicit_euler"),
+    ("symplectic_euler", "semi_implicit_euler"),
+    ("euler_cromer", "semi_implicit_euler"),
+];
+
+/// Help for a name that no integrator has.
+pub fn help(name: &str) -> Option<String> {
+    let plain = name.to_lowercase().replace(['-', ' '], "_");
+    match ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == plain) {
+        Some((_, known)) => Some(format!("did you mean `{known}`?")),
+        None => help_for(name, INTEGRATORS.iter().map(|known| known.name)),
+    }
+}
+
 /// The one that scenes get which name none.
 pub const DEFAULT: &str = "leapfrog";
 
@@ -50,5 +75,8 @@ mod tests {
             assert_eq!((known.make)().name(), known.name);
         }
         assert!(integrator(DEFAULT).is_some());
+        assert!(
+            ELSEWHERE.iter().all(|(elsewhere, known)| integrator(known).is_some() && integrator(elsewhere).is_none())
+        );
     }
 }

@@ -13,7 +13,7 @@ use vesper::prelude::*;
 use vesper::registry::Backend;
 use vesper_laws::catalog::CatalogPrecision;
 
-use crate::fault::{SceneFault, Span, Spanned, help_for};
+use crate::fault::{SceneFault, Span, Spanned};
 use crate::scene::{BackendChoice, ColumnData, DomainData, FieldData, FieldShape, Parameter, Scene};
 use laws::factor;
 
@@ -39,6 +39,36 @@ pub fn names(scene: &Scene) -> Vec<(Span, SceneFault)> {
     let mut notes = Notes { scene, faults: Vec::new() };
     _ = notes.builder::<f64>();
     notes.faults
+}
+
+/// Laws that sleep by mistake. A scene may list laws that lack their data; but where none runs at all nothing moves, and
+/// a name near the one that a law lacks, which no law knows, is most likely a slip.
+pub fn asleep(scene: &Scene, report: &Report) -> Vec<SceneFault> {
+    let mut notes = Notes { scene, faults: Vec::new() };
+    let none_runs = !report.laws.iter().any(|law| matches!(law.status, Status::Active { .. }));
+    for (law, why) in report.dormant() {
+        let slip = |missing: &&vesper::registry::Missing| {
+            missing.starved_by.is_empty() && missing.nearest.as_ref().is_some_and(|near| is_slip(scene, near))
+        };
+        let slip = why.missing.iter().find(slip).and_then(|missing| missing.nearest.as_deref());
+        let span = slip.and_then(|near| places::column_of(scene, &law.domain, near));
+        let span = span.or_else(|| places::law_name(scene, &law.label));
+        // One slip may put several laws to sleep, and is one mistake.
+        let new = span.filter(|span| !notes.faults.iter().any(|(known, _)| known == span));
+        if let (true, Some(span)) = (slip.is_some() || none_runs, new) {
+            let help = match slip {
+                Some(_) => "no law knows this name; a law that may sleep is listed with `enabled = false`",
+                None => "no law of the scene runs; `vesper explain` tells what each needs",
+            };
+            notes.fault(span, law.to_string(), Some(help.to_owned()));
+        }
+    }
+    notes.into_faults()
+}
+
+/// Whether the scene has `name` as a column, constant or field that no law and no standard property knows.
+fn is_slip(scene: &Scene, name: &str) -> bool {
+    properties::known(name).is_none() && places::column_of(scene, "", name).is_some()
 }
 
 /// Faults of a running engine, in the scene's words.
@@ -281,8 +311,7 @@ impl Notes<'_> {
             match integrators::integrator(name) {
                 Some(known) => builder = builder.boxed_integrator((known.make)()),
                 None => {
-                    let help = help_for(name, integrators::INTEGRATORS.iter().map(|known| known.name));
-                    self.fault(choice.name.span, format!("no integrator is named `{name}`"), help);
+                    self.fault(choice.name.span, format!("no integrator is named `{name}`"), integrators::help(name));
                 }
             }
             for option in choice.options.iter().filter(|_| integrators::integrator(name).is_some()) {

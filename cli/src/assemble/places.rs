@@ -6,7 +6,7 @@
 use vesper::prelude::Fault;
 
 use crate::fault::Span;
-use crate::scene::{LawRequest, Scene};
+use crate::scene::{DomainData, LawRequest, Scene};
 
 /// A library's fault in a scene's words, with its place where there is one.
 pub(super) fn placed(scene: &Scene, fault: &Fault) -> (Option<Span>, String, Option<String>) {
@@ -106,6 +106,21 @@ pub(super) fn placed(scene: &Scene, fault: &Fault) -> (Option<Span>, String, Opt
         _ => (None, text, None),
     };
     (span, text, help)
+}
+
+/// Where a law is named.
+pub(super) fn law_name(scene: &Scene, name: &str) -> Option<Span> {
+    law(scene, name).map(|law| law.name.span)
+}
+
+/// Where a column, constant or field of this name is written, first of all in `domain`.
+pub(super) fn column_of(scene: &Scene, domain: &str, name: &str) -> Option<Span> {
+    let column = |domain: &DomainData| domain.column(name).map(|column| column.name.span);
+    let here = scene.domain(domain).and_then(column);
+    let constants = || scene.constants.iter().map(|constant| &constant.name);
+    let fields = || scene.fields.iter().map(|field| &field.name);
+    let named = || constants().chain(fields()).find(|known| known.value == name).map(|known| known.span);
+    here.or_else(|| scene.domains.iter().find_map(column)).or_else(named)
 }
 
 fn law<'s>(scene: &'s Scene, name: &str) -> Option<&'s LawRequest> {

@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
+
+use crate::scene::{OptionKind, Override};
 
 /// Runs scenes of physics, and says what they are made of.
 #[derive(Parser, Debug)]
@@ -15,7 +17,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
   vesper laws gravity
 
 Exit status: 0 done; 2 the scene or the arguments are wrong, and nothing was run or written;
-3 the run failed (a NaN, a step that cannot be taken), with the state up to then written."
+3 the run failed (a NaN, a step that cannot be taken), or something could not be written;
+130 the run was stopped by Ctrl-C, and what it had come to is written as at its end."
 )]
 pub struct Arguments {
     /// What to do.
@@ -34,7 +37,11 @@ pub enum Command {
   vesper run scene.toml --json > result.json
   vesper run scene.toml --end 20 --out more --resume results/checkpoint.json
 
---out DIR writes a table for each domain (DOMAIN.csv), trajectories.svg, summary.json and checkpoint.json, all in SI.
+--out DIR writes a table (DOMAIN.csv) for each domain that shows columns, trajectories.svg, summary.json and
+checkpoint.json; files of these names that are in DIR are overwritten. Shown are the columns of engine.observe, or else
+those that laws move: bodies have a table of positions and velocities, springs have none. All numbers are in SI:
+positions in m, velocities in m/s; `vesper laws NAME` tells the units of others.
+
 A path of --set is names between dots: engine.step, constants.gravity, laws.NAME.PARAMETER, domains.NAME.COLUMN.ROW.")]
     Run(Run),
     /// Prints the law graph of a scene: who runs, in which order, why, where, and who does not
@@ -62,13 +69,16 @@ pub struct SceneArguments {
     pub integrator: Option<String>,
     /// Number type of the state
     #[arg(long, value_name = "f32|f64")]
-    pub precision: Option<PrecisionName>,
+    pub precision: Option<String>,
     /// Where laws run that do not say
-    #[arg(long, value_name = "B")]
-    pub backend: Option<BackendName>,
+    #[arg(long, value_name = "auto|cpu|parallel")]
+    pub backend: Option<String>,
     /// Threads for parallel laws [default: all cores]
-    #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub threads: Option<String>,
+    /// Every law must run: one that lacks its data is a mistake of the scene
+    #[arg(long)]
+    pub strict: bool,
     /// Sets one value of the scene, as in engine.step=1e-3; may be given many times
     #[arg(long = "set", value_name = "PATH=VALUE", allow_hyphen_values = true)]
     pub set: Vec<String>,
@@ -82,16 +92,16 @@ pub struct Run {
     pub scene: SceneArguments,
     /// Time to stop at, in s
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    pub end: Option<f64>,
+    pub end: Option<String>,
     /// Fixed step, in s
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    pub step: Option<f64>,
-    /// Folder for tables, picture, summary and checkpoint
+    pub step: Option<String>,
+    /// Folder for tables, picture, summary and checkpoint; those in it from an earlier run are overwritten
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Write every N-th frame [default: at most 1000 frames and 200000 lines in all]
-    #[arg(long, value_name = "N", requires = "out", value_parser = clap::value_parser!(u64).range(1..))]
-    pub every: Option<u64>,
+    #[arg(long, value_name = "N", requires = "out", allow_negative_numbers = true)]
+    pub every: Option<String>,
     /// Print one JSON object on standard output, and nothing else there
     #[arg(long)]
     pub json: bool,
@@ -114,66 +124,32 @@ pub struct Explain {
     pub dot: bool,
 }
 
-/// Number types by name.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum PrecisionName {
-    /// 32 bits.
-    F32,
-    /// 64 bits.
-    F64,
-}
-
-/// Backends by name.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum BackendName {
-    /// By size.
-    Auto,
-    /// One thread.
-    Cpu,
-    /// All threads.
-    Parallel,
-    /// The graphics processor.
-    Gpu,
-}
-
 impl SceneArguments {
-    /// All changes as `--set` arguments, so that they are checked as the scene is; those written out as such last.
-    pub fn overrides(&self) -> Vec<String> {
-        let name = |value: &dyn ValueName| value.name();
+    /// All changes of the scene, so that they are checked as the scene is; those of `--set` last.
+    pub fn overrides(&self) -> Vec<Override> {
+        use OptionKind::{Flag, Number, Word};
         let settings = [
-            self.integrator.as_ref().map(|integrator| format!("engine.integrator={}", quoted(integrator))),
-            self.precision.as_ref().map(|precision| format!("engine.precision={}", name(precision))),
-            self.backend.as_ref().map(|backend| format!("engine.backend={}", name(backend))),
-            self.threads.map(|threads| format!("engine.threads={threads}")),
+            option("--integrator", "integrator", self.integrator.as_ref(), Word),
+            option("--precision", "precision", self.precision.as_ref(), Word),
+            option("--backend", "backend", self.backend.as_ref(), Word),
+            option("--threads", "threads", self.threads.as_ref(), Number),
+            option("--strict", "strict", self.strict.then(String::new).as_ref(), Flag),
         ];
-        settings.into_iter().flatten().chain(self.set.iter().cloned()).collect()
+        settings.into_iter().flatten().chain(self.set.iter().cloned().map(Override::Set)).collect()
     }
 }
 
 impl Run {
-    /// All changes of the scene as `--set` arguments.
-    pub fn overrides(&self) -> Vec<String> {
-        // With its unit, for the scene may have another one, which would stay.
-        let time = |key: &str, value: Option<f64>| {
-            value.map(|value| format!("engine.{key}={{ value = {value:?}, unit = \"s\" }}"))
-        };
-        let times = [time("end", self.end), time("step", self.step)];
+    /// All changes of the scene.
+    pub fn overrides(&self) -> Vec<Override> {
+        let times = [
+            option("--end", "end", self.end.as_ref(), OptionKind::Seconds),
+            option("--step", "step", self.step.as_ref(), OptionKind::Seconds),
+        ];
         self.scene.overrides().into_iter().chain(times.into_iter().flatten()).collect()
     }
 }
 
-/// A bare name as it is, anything else as TOML text.
-fn quoted(text: &str) -> String {
-    let bare = !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    if bare { text.to_owned() } else { format!("{text:?}") }
-}
-
-trait ValueName {
-    fn name(&self) -> String;
-}
-
-impl<V: ValueEnum> ValueName for V {
-    fn name(&self) -> String {
-        self.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())
-    }
+fn option(option: &'static str, key: &'static str, text: Option<&String>, kind: OptionKind) -> Option<Override> {
+    text.map(|text| Override::Engine { option, key, text: text.clone(), kind })
 }

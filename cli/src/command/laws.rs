@@ -6,13 +6,12 @@ use vesper::law::{Mode, Parameter, Place, Port, Signature};
 use vesper_laws::catalog::{StockLaw, stock_law, stock_laws};
 
 use super::{Exit, say};
-use crate::fault::{SceneFault, help_for};
+use crate::fault::{SceneFault, help_for, number};
 
 /// Lists all laws, or prints the one of this name.
 pub(super) fn laws(name: Option<&str>) -> Result<Exit, Vec<SceneFault>> {
     let Some(name) = name else {
-        say(&list());
-        return Ok(Exit::Done);
+        return Ok(say(&list()));
     };
     let Some(law) = stock_law(name) else {
         let help = help_for(name, stock_laws().iter().map(|law| law.signature.name));
@@ -22,8 +21,7 @@ pub(super) fn laws(name: Option<&str>) -> Result<Exit, Vec<SceneFault>> {
     let mut text = String::new();
     // Writing to a string cannot fail.
     _ = describe(&mut text, &law.signature);
-    say(&text);
-    Ok(Exit::Done)
+    Ok(say(&text))
 }
 
 fn list() -> String {
@@ -89,9 +87,4 @@ fn components(values: &[f64]) -> String {
         [one] => number(*one),
         _ => format!("[{}]", values.iter().map(|value| number(*value)).collect::<Vec<_>>().join(", ")),
     }
-}
-
-/// All digits, and no more zeros than one can count.
-fn number(value: f64) -> String {
-    if value == 0.0 || (1e-4..1e9).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
 }

@@ -14,7 +14,7 @@ use std::process::ExitCode;
 
 use crate::assemble;
 use crate::fault::{SceneFault, print_faults};
-use crate::scene::{Precision, Scene};
+use crate::scene::{Override, Precision, Scene};
 use arguments::{Explain, SceneArguments};
 
 /// How the command ends.
@@ -24,8 +24,10 @@ pub enum Exit {
     Done,
     /// The scene or the arguments are wrong; nothing was run or written.
     Wrong,
-    /// The run failed, with the state up to then written.
+    /// The run failed, or something could not be written.
     Failed,
+    /// Somebody stopped the run, whose state up to then is told and written as at its end.
+    Interrupted,
 }
 
 impl From<Exit> for ExitCode {
@@ -34,6 +36,8 @@ impl From<Exit> for ExitCode {
             Exit::Done => 0,
             Exit::Wrong => 2,
             Exit::Failed => 3,
+            // What shells say of a program that SIGINT ended: 128 and the signal's number.
+            Exit::Interrupted => 130,
         })
     }
 }
@@ -63,11 +67,10 @@ fn explain(arguments: &Explain) -> Result<Exit, Vec<SceneFault>> {
             if arguments.dot { engine.to_dot() } else { engine.explain() }
         }
     };
-    say(&text);
-    Ok(Exit::Done)
+    Ok(say(&text))
 }
 
-fn read(arguments: &SceneArguments, overrides: &[String]) -> Result<Scene, Vec<SceneFault>> {
+fn read(arguments: &SceneArguments, overrides: &[Override]) -> Result<Scene, Vec<SceneFault>> {
     Scene::read_and(&arguments.scene, overrides, assemble::names)
 }
 
@@ -75,9 +78,27 @@ fn precision(scene: &Scene) -> Precision {
     scene.engine.precision.as_ref().map_or(Precision::default(), |precision| precision.value)
 }
 
-/// Writes to standard output. A reader that has gone away, as `head` does, is no fault.
-fn say(text: &str) {
-    _ = std::io::stdout().write_all(text.as_bytes());
+/// Writes to standard output, up to the last byte. A reader that has gone away, as `head` does, is no fault; a full disk
+/// is one, for whoever redirected the text would take a part of it for all.
+fn say(text: &str) -> Exit {
+    let mut output = std::io::stdout().lock();
+    written(output.write_all(text.as_bytes()).and_then(|()| output.flush()))
+}
+
+fn written(result: std::io::Result<()>) -> Exit {
+    match result {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            complain(&format!("error: cannot write to standard output: {error}\n"));
+            Exit::Failed
+        }
+        _ => Exit::Done,
+    }
+}
+
+/// Says what is wrong with the words of a command, or the help that they ask for.
+pub fn refuse(error: &clap::Error) -> Exit {
+    let printed = error.print().and_then(|()| std::io::stdout().flush());
+    if error.use_stderr() { Exit::Wrong } else { written(printed) }
 }
 
 /// Writes to standard error.

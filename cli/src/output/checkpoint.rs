@@ -1,7 +1,7 @@
 //! Checkpoints as JSON.
 //!
 //! In: a [`Checkpoint`]. Out: text from which the same checkpoint is read, bit for bit. Never: a number that is not
-//! finite; a run that broke leaves no checkpoint.
+//! finite; a run that broke leaves one from before.
 
 use serde_json::{Map, Value, json};
 use vesper::engine::{ColumnData, DomainData};

@@ -17,12 +17,25 @@ use crate::scene::Scene;
 /// Files that are not tables.
 const OWN: [&str; 3] = ["trajectories", "summary", "checkpoint"];
 
+/// The checkpoint in the folder.
+pub const CHECKPOINT: &str = "checkpoint.json";
+
 /// A folder that is being filled.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
-    tables: Vec<(String, Table)>,
+    /// Domain, file name, and the table; none where it could not be written.
+    tables: Vec<(String, String, Option<Table>)>,
     trails: Trails,
+}
+
+/// What came of writing the files.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Written {
+    /// Names of the files that are whole.
+    pub files: Vec<String>,
+    /// What went wrong with others.
+    pub faults: Vec<String>,
 }
 
 impl Folder {
@@ -36,7 +49,7 @@ impl Folder {
         Ok(Self { path: path.to_owned(), tables: Vec::new(), trails: Trails::default() })
     }
 
-    /// Adds a moment of the run.
+    /// Adds a moment of the run, to the tables too where there are columns for them.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -44,19 +57,23 @@ impl Folder {
         &mut self,
         scene: &Scene,
         engine: &Engine<P>,
-        shown: &[ShownDomain],
+        shown: Option<&[ShownDomain]>,
     ) -> Result<(), String> {
-        for domain in shown {
-            if !self.tables.iter().any(|(name, _)| *name == domain.name) {
-                let path = self.path.join(self.file_name(&domain.name));
+        for domain in shown.unwrap_or_default() {
+            if !self.tables.iter().any(|(name, ..)| *name == domain.name) {
+                let file = self.file_name(&domain.name);
+                let path = self.path.join(&file);
                 let labels = scene.domain(&domain.name).and_then(|domain| domain.labels.as_deref()).unwrap_or_default();
-                let table = Table::new(&path, domain, labels).map_err(|error| cannot_write(&path, &error))?;
-                self.tables.push((domain.name.clone(), table));
+                let table = Table::new(&path, domain, labels);
+                let (table, failed) = table.map_or_else(|error| (None, Some(error)), |table| (Some(table), None));
+                self.tables.push((domain.name.clone(), file, table));
+                failed.map_or(Ok(()), |error| Err(cannot_write(&path, &error)))?;
             }
-            if let Some((name, table)) = self.tables.iter_mut().find(|(name, _)| *name == domain.name) {
-                table
-                    .add(engine.time(), domain)
-                    .map_err(|error| format!("cannot write the table of `{name}`: {error}"))?;
+            let known = self.tables.iter_mut().find(|(name, ..)| *name == domain.name);
+            let Some((_, file, place @ Some(_))) = known else { continue };
+            if let Some(Err(error)) = place.as_mut().map(|table| table.add(engine.time(), domain)) {
+                *place = None;
+                return Err(cannot_write(&self.path.join(file), &error));
             }
         }
         self.trails.add(engine.state());
@@ -68,30 +85,32 @@ impl Folder {
         let plain = |c: char| if c.is_alphanumeric() || "-_".contains(c) { c } else { '_' };
         let name: String = domain.chars().map(plain).collect();
         let taken = OWN.contains(&name.as_str())
-            || self.tables.iter().any(|(other, _)| other.chars().map(plain).collect::<String>() == name);
+            || self.tables.iter().any(|(other, ..)| other.chars().map(plain).collect::<String>() == name);
         if taken { format!("{name}_{}.csv", self.tables.len()) } else { format!("{name}.csv") }
     }
 
-    /// Writes what is left: picture, summary, checkpoint.
-    ///
-    /// # Errors
-    /// A file cannot be written.
-    pub fn finish(self, scene: &Scene, outcome: &Outcome) -> Result<(), String> {
-        for (name, table) in self.tables {
-            table.finish().map_err(|error| format!("cannot write the table of `{name}`: {error}"))?;
-        }
-        let write = |name: &str, text: String| {
-            let path = self.path.join(name);
-            std::fs::write(&path, text).map_err(|error| cannot_write(&path, &error))
+    /// Writes what is left: picture, summary, checkpoint. One that cannot be written keeps no other from being tried.
+    pub fn finish(self, scene: &Scene, outcome: &Outcome) -> Written {
+        let mut written = Written::default();
+        let mut note = |file: &str, result: std::io::Result<()>| match result {
+            Ok(()) => written.files.push(file.to_owned()),
+            Err(error) => written.faults.push(cannot_write(&self.path.join(file), &error)),
         };
+        for (_, file, table) in self.tables {
+            if let Some(table) = table {
+                note(&file, table.finish());
+            }
+        }
         if let Some(picture) = Picture::new(scene, &self.trails) {
-            write("trajectories.svg", picture.to_string())?;
+            note("trajectories.svg", std::fs::write(self.path.join("trajectories.svg"), picture.to_string()));
         }
-        write("summary.json", json::text(&json::outcome(outcome)))?;
+        let summary = json::text(&json::outcome(outcome));
+        note("summary.json", std::fs::write(self.path.join("summary.json"), summary));
         if let Some(state) = &outcome.checkpoint {
-            write("checkpoint.json", format!("{}\n", checkpoint::to_json(state)))?;
+            let text = format!("{}\n", checkpoint::to_json(state));
+            note(CHECKPOINT, std::fs::write(self.path.join(CHECKPOINT), text));
         }
-        Ok(())
+        written
     }
 }
 

@@ -59,6 +59,9 @@ pub fn outcome(outcome: &Outcome) -> Value {
             .collect();
         root.insert("compare".to_owned(), Value::Array(rows));
     }
+    if outcome.interrupted && outcome.faults.is_empty() {
+        root.insert("error".to_owned(), json!("interrupted"));
+    }
     if !outcome.faults.is_empty() {
         let texts: Vec<&str> = outcome.faults.iter().map(|fault| fault.text.as_str()).collect();
         root.insert("error".to_owned(), json!(texts.join("; ")));

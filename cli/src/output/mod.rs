@@ -13,6 +13,16 @@ mod trails;
 
 use std::fmt;
 
+use crate::scene::Scene;
+
+/// The title of a scene that came to `time`, in s. A title may tell what the scene's own end shows; where a run had another
+/// end, the title says so.
+pub(crate) fn title(scene: &Scene, time: f64) -> Option<String> {
+    let title = &scene.title.as_ref()?.value;
+    let same = scene.own_end.is_none_or(|end| (time - end).abs() <= 1e-9 * end.abs());
+    Some(if same { title.clone() } else { format!("{title} (run to {})", picture::duration(time)) })
+}
+
 /// A number with about `digits` digits, in the shorter of the usual forms; for people.
 pub(crate) fn rounded(value: f64, digits: usize) -> Rounded {
     Rounded { value, digits }

@@ -5,9 +5,9 @@
 
 use std::fmt::{self, Write};
 
-use super::rounded;
-pub use super::trails::Trails;
 use super::trails::{MOST_TRAILS, Trail};
+pub use super::trails::{Trails, worth_adding};
+use super::{rounded, title};
 use crate::scene::Scene;
 
 /// Room of the plot, in pixels.
@@ -107,7 +107,7 @@ impl Picture {
         let rows: usize = trails.list.iter().map(|trail| trail.rows).sum();
         let labelled = trails.list.iter().all(|trail| scene.domain(&trail.domain).is_some_and(|d| d.labels.is_some()));
         let named = rows <= MOST_NAMES[usize::from(!labelled)];
-        let title = scene.title.as_ref().map_or("trajectories", |title| title.value.as_str());
+        let title = title(scene, trails.end).unwrap_or_else(|| "trajectories".to_owned());
         let legend = if named || !trails.links.is_empty() { LEGEND } else { 24.0 };
         let width = (LEFT + view.width + legend).max(LEFT + 24.0 + 9.6 * title.chars().count() as f64);
         let names = if named { rows as f64 } else { 0.0 };
@@ -117,7 +117,7 @@ impl Picture {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"sans-serif\" font-size=\"13\">"
         ));
         svg.line(format!("<rect width=\"{width:.0}\" height=\"{height:.0}\" fill=\"#ffffff\"/>"));
-        svg.text(LEFT, 26.0, "font-size=\"17\" font-weight=\"bold\"", title);
+        svg.text(LEFT, 26.0, "font-size=\"17\" font-weight=\"bold\"", &title);
         let times = format!("from {} to {}", duration(trails.begin), duration(trails.end));
         svg.text(LEFT, 47.0, "fill=\"#555\"", &times);
         svg.axes(&view);

@@ -32,6 +32,13 @@ pub struct Trails {
     pub(crate) end: f64,
 }
 
+/// Every so many of `frames` frames is worth adding; 0 where a state's rows are too many for trails.
+pub fn worth_adding<P: Precision>(state: &State<P>, frames: u64) -> u64 {
+    let placed = state.domains().iter().filter(|domain| state.column(domain.name(), Position::NAME).is_ok());
+    let rows = placed.map(|domain| domain.rows()).max().unwrap_or(0);
+    if rows > MOST_TRAILS { 0 } else { frames.div_ceil(MOST_MOMENTS as u64 - 2).max(1) }
+}
+
 impl Trails {
     /// Adds a moment.
     pub fn add<P: Precision>(&mut self, state: &State<P>) {

@@ -8,7 +8,7 @@
 
 use vesper::prelude::*;
 
-use crate::fault::SceneFault;
+use crate::fault::{SceneFault, number};
 use crate::scene::Scene;
 
 /// Beyond this a count of steps is no longer exact in f64.
@@ -50,12 +50,14 @@ impl Course {
         let (Some(step), Some(end)) = (step, &engine.end) else { return Err(faults) };
         let frame = engine.frame.as_ref().map_or(step.value, |frame| frame.value);
         if end.value < start {
-            let text = format!("the end, {} s, is before the start, {start} s", end.value);
+            let text = format!("the end, {} s, is before the start, {} s", number(end.value), number(start));
             return Err(vec![scene.fault(end.span, text, None)]);
         }
         if (end.value - start) / step.value.min(frame) > MOST_STEPS {
-            let text = format!("{} s in steps of {} s are too many to count", end.value - start, step.value.min(frame));
-            return Err(vec![scene.fault(step.span, text, None)]);
+            let span = step.span;
+            let (way, step) = (number(end.value - start), number(step.value.min(frame)));
+            let text = format!("{way} s in steps of {step} s are too many to count");
+            return Err(vec![scene.fault(span, text, None)]);
         }
         Ok(Self { origin: start, since: 0, step: step.value, start, frame, end: end.value })
     }
@@ -146,6 +148,6 @@ mod tests {
     fn what_is_missing_is_said() {
         let texts = |text: &str| course(text).unwrap_err().into_iter().map(|fault| fault.text).collect::<Vec<_>>();
         assert_eq!(texts("threads = 1"), ["the scene has no step", "the scene has no end"]);
-        assert_eq!(texts("step = 1e-9\nend = 1e9"), ["1000000000 s in steps of 0.000000001 s are too many to count"]);
+        assert_eq!(texts("step = 1e-9\nend = 1e9"), ["1e9 s in steps of 1e-9 s are too many to count"]);
     }
 }

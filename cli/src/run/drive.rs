@@ -4,11 +4,13 @@
 //! in which it goes: they only decide how often the bar moves and the laws are watched.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use vesper::prelude::*;
 
+use super::Request;
 use super::law_times::LawTimes;
 
 /// A piece that took less is followed by a longer one.
@@ -26,26 +28,39 @@ pub struct Drive {
     wall: Duration,
     watched: Duration,
     bar: ProgressBar,
+    stop: Arc<AtomicBool>,
 }
 
 impl Drive {
-    /// For an engine with this many laws and a run of `steps` steps; with a progress bar if it is `shown` and standard
-    /// error is a terminal.
-    pub fn new(laws: usize, steps: u64, what: &str, shown: bool) -> Self {
-        let bar = if shown { ProgressBar::new(steps) } else { ProgressBar::hidden() };
+    /// For an engine with this many laws and a run of `steps` steps; with a progress bar if one is asked for and
+    /// standard error is a terminal.
+    pub fn new(laws: usize, steps: u64, what: &str, request: &Request) -> Self {
+        let bar = if request.progress { ProgressBar::new(steps) } else { ProgressBar::hidden() };
         if let Ok(style) = ProgressStyle::with_template("{msg} [{bar:40}] {percent:>3} %, {eta} left") {
             bar.set_style(style.progress_chars("=> "));
         }
         bar.set_message(what.to_owned());
-        Self { times: Arc::new(LawTimes::new(laws)), piece: 1, wall: Duration::ZERO, watched: Duration::ZERO, bar }
+        Self {
+            times: Arc::new(LawTimes::new(laws)),
+            piece: 1,
+            wall: Duration::ZERO,
+            watched: Duration::ZERO,
+            bar,
+            stop: request.stop.clone(),
+        }
     }
 
-    /// Takes `engine` to step `target`, by steps of `step` s.
+    /// Whether somebody asked for the run to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Takes `engine` to step `target`, by steps of `step` s; not so far where somebody asked for the run to stop.
     ///
     /// # Errors
     /// As [`Engine::steps_of`]; the engine stands where it broke.
     pub fn to<P: Precision>(&mut self, engine: &mut Engine<P>, target: u64, step: f64) -> Result<(), Faults> {
-        while engine.steps() < target {
+        while engine.steps() < target && !self.is_stopped() {
             let count = self.piece.min(target - engine.steps());
             let took = self.piece(engine, count, step)?;
             if count == self.piece && took < SHORT {

@@ -14,11 +14,14 @@ mod way;
 
 pub use outcome::{Compared, LawOutcome, Outcome};
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use vesper::prelude::*;
 use vesper_laws::catalog::CatalogPrecision;
 
 use crate::assemble;
-use crate::fault::SceneFault;
+use crate::fault::{SceneFault, number};
 use crate::scene::Scene;
 use compare::Targets;
 use course::Course;
@@ -26,16 +29,20 @@ use drive::Drive;
 use snapshot::{ShownDomain, shown_columns, snapshot};
 
 /// How a scene is run.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Request {
     /// Whether to show a progress bar, where standard error is a terminal.
     pub progress: bool,
     /// Record every frame of so many, the first and the last; 0 for none.
     pub record_every: u64,
+    /// Draw every frame of so many, beside those recorded; 0 for none.
+    pub draw_every: u64,
+    /// Once it is true, the run ends with the step that it is in.
+    pub stop: Arc<AtomicBool>,
 }
 
-/// What a recorder gets: the engine, and the columns shown.
-pub type Record<'r, P> = dyn FnMut(&Engine<P>, &[ShownDomain]) -> Result<(), String> + 'r;
+/// What a recorder gets: the engine, and the columns shown; none at a moment that is only to be drawn.
+pub type Record<'r, P> = dyn FnMut(&Engine<P>, Option<&[ShownDomain]>) -> Result<(), String> + 'r;
 
 /// A scene that is ready to run: everything that can be wrong with it has been looked at.
 #[derive(Debug)]
@@ -47,6 +54,16 @@ pub struct Ready<'s, P: CatalogPrecision> {
     pub course: Course,
     targets: Targets,
     resumed: bool,
+}
+
+/// A checkpoint from behind the end leaves nothing to run; one from the end itself was asked for twice, which is no fault.
+fn past_the_end<P: Precision>(scene: &Scene, engine: &Engine<P>, course: &Course) -> Result<(), Vec<SceneFault>> {
+    let slack = 1e-9 * course.step;
+    let Some(end) = scene.engine.end.as_ref().filter(|end| engine.time() > end.value + slack) else { return Ok(()) };
+    let text =
+        format!("the checkpoint, at {} s, is already past the end, {} s", number(engine.time()), number(end.value));
+    let help = "set a later end, with --end S, or leave --resume out".to_owned();
+    Err(vec![scene.fault(end.span, text, Some(help))])
 }
 
 impl<'s, P: CatalogPrecision> Ready<'s, P> {
@@ -67,9 +84,14 @@ impl<'s, P: CatalogPrecision> Ready<'s, P> {
         let (Some(mut engine), Some(mut course), Some(targets)) = (engine, course, targets) else {
             return Err(faults);
         };
+        let asleep = assemble::asleep(scene, engine.report());
+        if !asleep.is_empty() {
+            return Err(asleep);
+        }
         if let Some(checkpoint) = resume {
             engine.restore(checkpoint).map_err(|faults| assemble::run_faults(scene, &faults))?;
             course = course.resumed(checkpoint);
+            past_the_end(scene, &engine, &course)?;
         }
         Ok(Self { scene, engine, course, targets: targets.unwrap_or_default(), resumed: resume.is_some() })
     }
@@ -79,16 +101,19 @@ impl<'s, P: CatalogPrecision> Ready<'s, P> {
         let columns = shown_columns(self.scene, &self.engine);
         let (last, rest) = self.course.last();
         let steps = last.saturating_sub(self.engine.steps()) + u64::from(rest > 0.0);
-        let mut drive = Drive::new(self.engine.report().laws.len(), steps, "running", request.progress);
+        let mut drive = Drive::new(self.engine.report().laws.len(), steps, "running", &request);
         let mut outcome = Outcome { precision: P::NAME, ..Outcome::default() };
         let way = way::Way { scene: self.scene, course: self.course, targets: &self.targets };
-        let mut show = |engine: &Engine<P>| record(engine, &snapshot(engine, &columns));
-        let went = way.go(&mut self.engine, &mut drive, &mut outcome, request.record_every, &mut show);
+        let mut show = |engine: &Engine<P>, whole: bool| {
+            let shown = whole.then(|| snapshot(engine, &columns));
+            record(engine, shown.as_deref())
+        };
+        let went = way.go(&mut self.engine, &mut drive, &mut outcome, &request, &mut show);
         outcome.faults = went.err().unwrap_or_default();
         let (wall, seconds) = drive.finish();
         outcome.wall_seconds = wall;
         if let (Some(compared), true) = (&mut outcome.compared, outcome.faults.is_empty() && !self.resumed) {
-            match way.distances_without::<P>(request.progress) {
+            match way.distances_without::<P>(&request) {
                 Ok(distances) => {
                     for (row, distance) in compared.iter_mut().zip(distances) {
                         row.without = Some(distance);
@@ -96,6 +121,7 @@ impl<'s, P: CatalogPrecision> Ready<'s, P> {
                 }
                 Err(faults) => outcome.faults = faults,
             }
+            outcome.interrupted = request.stop.load(Ordering::Relaxed);
         }
         outcome.compared.iter_mut().for_each(|rows| rows.sort_by_key(|row| row.row));
         let engine = &self.engine;

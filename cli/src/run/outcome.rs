@@ -51,6 +51,8 @@ pub struct Outcome {
     pub time: f64,
     /// Steps taken, since the scene's start.
     pub steps: u64,
+    /// The length of a last step that was shorter than the others, and theirs, in s.
+    pub short_step: Option<(f64, f64)>,
     /// Evaluations of the laws, since the scene's start.
     pub evaluations: u64,
     /// Time of the integration in this run, in s.
@@ -71,8 +73,10 @@ pub struct Outcome {
     pub compared: Option<Vec<Compared>>,
     /// Names of the table that the scene does not have.
     pub skipped: Vec<String>,
-    /// The engine after its last whole step.
+    /// The engine after its last whole step; of a run that failed, at a moment before that, if there was one.
     pub checkpoint: Option<Checkpoint>,
+    /// Whether somebody stopped the run before its end.
+    pub interrupted: bool,
     /// Why the run did not reach its end; empty if it did.
     pub faults: Vec<SceneFault>,
 }

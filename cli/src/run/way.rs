@@ -12,7 +12,7 @@ use vesper_laws::catalog::CatalogPrecision;
 use super::compare::{Target, Targets};
 use super::course::Course;
 use super::drive::Drive;
-use super::{Compared, Outcome};
+use super::{Compared, Outcome, Request};
 use crate::assemble;
 use crate::fault::SceneFault;
 use crate::scene::{LawRequest, Scene};
@@ -52,7 +52,8 @@ impl Due {
     }
 }
 
-type Show<'s, P> = dyn FnMut(&Engine<P>) -> Result<(), String> + 's;
+/// Shows a moment: to be recorded, or only to be drawn.
+type Show<'s, P, E> = dyn FnMut(&Engine<P>, bool) -> Result<(), E> + 's;
 
 impl Way<'_> {
     fn broken(&self, faults: &Faults) -> Vec<SceneFault> {
@@ -65,18 +66,23 @@ impl Way<'_> {
         engine: &mut Engine<P>,
         drive: &mut Drive,
         outcome: &mut Outcome,
-        show_every: u64,
-        show: &mut Show<'_, P>,
+        request: &Request,
+        show: &mut Show<'_, P, String>,
     ) -> Result<(), Vec<SceneFault>> {
-        let wrong = |text: String| vec![self.scene.fault_of_file(text)];
-        if show_every > 0 {
-            show(engine).map_err(wrong)?;
+        let mut recorded = None;
+        let mut show = |engine: &Engine<P>, record: bool| {
+            if record && recorded.replace(engine.steps()) == Some(engine.steps()) {
+                return Ok(());
+            }
+            show(engine, record).map_err(|text| vec![self.scene.fault_of_file(text)])
+        };
+        if request.record_every > 0 {
+            show(engine, true)?;
         }
-        let begun = engine.steps();
-        let went = self.go_on(engine, drive, outcome, show_every, show);
+        let went = self.go_on(engine, drive, outcome, request, &mut show);
         // The last moment is shown whichever way it ended.
-        if show_every > 0 && engine.steps() > begun {
-            show(engine).map_err(wrong)?;
+        if request.record_every > 0 {
+            show(engine, true)?;
         }
         went
     }
@@ -86,13 +92,14 @@ impl Way<'_> {
         engine: &mut Engine<P>,
         drive: &mut Drive,
         outcome: &mut Outcome,
-        show_every: u64,
-        show: &mut Show<'_, P>,
+        request: &Request,
+        show: &mut Show<'_, P, Vec<SceneFault>>,
     ) -> Result<(), Vec<SceneFault>> {
         let course = &self.course;
         let (last, rest) = course.last();
         let look_every = course.frames().div_ceil(moments(engine)).max(1);
-        let mut to_show = Due::after(engine.steps(), show_every, course);
+        let mut to_record = Due::after(engine.steps(), request.record_every, course);
+        let mut to_draw = Due::after(engine.steps(), request.draw_every, course);
         let mut to_look = Due::after(engine.steps(), look_every, course);
         let mut dates = self.dates(engine.time()).into_iter().peekable();
         let mut aside = Aside { scene: self.scene, off: Vec::new(), engine: None };
@@ -111,24 +118,33 @@ impl Way<'_> {
                     without: None,
                 });
             }
-            if engine.steps() >= last {
+            if engine.steps() >= last || drive.is_stopped() {
                 break;
             }
             let date = dates.peek().map_or(last, |(_, step, _)| *step);
-            let next = last.min(date).min(to_show.step(course)).min(to_look.step(course));
+            let due = [&to_record, &to_draw, &to_look].map(|due| due.step(course));
+            let next = due.into_iter().fold(last.min(date), u64::min);
             drive.to(engine, next, course.step).map_err(|faults| self.broken(&faults))?;
             let between = engine.steps() < last;
             if to_look.passes(engine.steps(), course) && between {
                 outcome.drift.look(engine).map_err(|faults| self.broken(&faults))?;
+                // To go on from where the run fails further on. Who writes no files has no use for it.
+                if request.record_every > 0 {
+                    outcome.checkpoint = Some(engine.checkpoint().map_err(|faults| self.broken(&faults))?);
+                }
             }
-            if to_show.passes(engine.steps(), course) && between {
-                show(engine).map_err(|text| vec![self.scene.fault_of_file(text)])?;
+            let (record, draw) = (to_record.passes(engine.steps(), course), to_draw.passes(engine.steps(), course));
+            if (record || draw) && between {
+                show(engine, record)?;
             }
         }
         outcome.checkpoint = Some(engine.checkpoint().map_err(|faults| self.broken(&faults))?);
-        if rest > 0.0 {
+        outcome.interrupted = engine.steps() < last;
+        if rest > 0.0 && !outcome.interrupted {
             // From where the engine says it is, so that its clock comes to the end itself.
             drive.to(engine, last + 1, course.end - engine.time()).map_err(|faults| self.broken(&faults))?;
+            outcome.interrupted = engine.steps() == last;
+            outcome.short_step = (!outcome.interrupted).then_some((rest, course.step));
         }
         outcome.drift.look(engine).map_err(|faults| self.broken(&faults))
     }
@@ -144,7 +160,10 @@ impl Way<'_> {
     }
 
     /// The distances of a second run, without the laws that `[compare]` leaves out; none where it leaves none out.
-    pub(super) fn distances_without<P: CatalogPrecision>(&self, progress: bool) -> Result<Vec<f64>, Vec<SceneFault>> {
+    pub(super) fn distances_without<P: CatalogPrecision>(
+        &self,
+        request: &Request,
+    ) -> Result<Vec<f64>, Vec<SceneFault>> {
         let Some(compare) = &self.scene.compare else { return Ok(Vec::new()) };
         let left_out = |law: &&LawRequest| {
             compare.without.iter().any(|name| name.value == law.called() || name.value == law.name.value)
@@ -156,11 +175,14 @@ impl Way<'_> {
         let mut engine = switched_off::<P>(self.scene, &off)?;
         let dates = self.dates(engine.time());
         let last = dates.last().map_or(0, |(_, step, _)| *step);
-        let mut drive = Drive::new(self.scene.laws.len(), last, &format!("without {}", off.join(", ")), progress);
+        let mut drive = Drive::new(self.scene.laws.len(), last, &format!("without {}", off.join(", ")), request);
         let mut aside = Aside { scene: self.scene, off, engine: None };
         let mut distances = Vec::new();
         for (target, step, rest) in dates {
             drive.to(&mut engine, step, self.course.step).map_err(|faults| self.broken(&faults))?;
+            if engine.steps() < step {
+                break;
+            }
             distances.push(aside.distance(&engine, target, rest, &self.targets.domain)?);
         }
         drive.finish();

@@ -16,12 +16,14 @@ mod fill;
 mod overrides;
 mod sections;
 mod tree;
+mod unit_names;
 mod walk;
 
 use std::path::{Path, PathBuf};
 
 pub use data::*;
 pub(crate) use domains::plural;
+pub use overrides::{OptionKind, Override};
 
 pub use crate::fault::{SceneFault, Sources, Span, Spanned, help_for, nearest, print_faults};
 use crate::generate;
@@ -38,6 +40,8 @@ pub struct Scene {
     pub title: Option<Spanned<String>>,
     /// Section `[engine]`.
     pub engine: EngineSettings,
+    /// The end that the file says, in s, whatever a change of it says.
+    pub own_end: Option<f64>,
     /// Section `[constants]`: the one row of domain "scene".
     pub constants: Vec<Parameter>,
     /// Section `[fields]`.
@@ -57,14 +61,14 @@ const SECTIONS: [&str; 8] = ["title", "engine", "constants", "fields", "domains"
 
 impl Scene {
     /// Reads the scene file at `path`, applies the `--set` arguments, and fills its domains.
-    pub fn read(path: &Path, overrides: &[String]) -> Result<Self, Vec<SceneFault>> {
+    pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, Vec<SceneFault>> {
         Self::read_and(path, overrides, |_| Vec::new())
     }
 
     /// The same, with faults that somebody else finds in what could be read, told together with those of the scene.
     pub fn read_and(
         path: &Path,
-        overrides: &[String],
+        overrides: &[Override],
         more: impl FnOnce(&Self) -> Vec<(Span, SceneFault)>,
     ) -> Result<Self, Vec<SceneFault>> {
         let file = path.display().to_string();
@@ -79,7 +83,7 @@ impl Scene {
     }
 
     /// Reads a scene from text; `file` is its name in faults, `folder` is where files that it names lie.
-    pub fn from_text(file: &str, text: &str, folder: &Path, overrides: &[String]) -> Result<Self, Vec<SceneFault>> {
+    pub fn from_text(file: &str, text: &str, folder: &Path, overrides: &[Override]) -> Result<Self, Vec<SceneFault>> {
         Self::from_text_and(file, text, folder, overrides, |_| Vec::new())
     }
 
@@ -88,21 +92,23 @@ impl Scene {
         file: &str,
         text: &str,
         folder: &Path,
-        overrides: &[String],
+        overrides: &[Override],
         more: impl FnOnce(&Self) -> Vec<(Span, SceneFault)>,
     ) -> Result<Self, Vec<SceneFault>> {
         let mut walk = Walk::default();
         let base = walk.sources.add(file, text, true);
         let bases: Vec<usize> =
-            overrides.iter().map(|one| walk.sources.add(format!("--set {one}"), one.as_str(), false)).collect();
+            overrides.iter().map(Override::source).map(|(name, text)| walk.sources.add(name, text, false)).collect();
         let (mut root, faults) = tree::document(text, base);
         for (span, text) in faults {
             walk.syntax_fault(span, text);
         }
-        for (argument, base) in overrides.iter().zip(bases) {
-            overrides::apply(&mut walk, &mut root, argument, base);
+        let own = root.get("engine").map(|node| sections::engine(&mut Walk::default(), node));
+        for (change, base) in overrides.iter().zip(bases) {
+            overrides::apply(&mut walk, &mut root, change, base);
         }
-        let mut scene = Self { folder: folder.to_owned(), ..Self::default() };
+        let own_end = own.and_then(|engine| engine.end).map(|end| end.value);
+        let mut scene = Self { folder: folder.to_owned(), own_end, ..Self::default() };
         scene.read_sections(&mut walk, &root);
         // What is lost in a gap of the syntax would be missed here, and faulted for the wrong reason.
         if walk.is_whole() {

@@ -24,8 +24,88 @@ const SECTIONS: [(&str, bool); 8] = [
     ("compare", true),
 ];
 
-/// Applies one argument, whose text has been added to the sources at `base`.
-pub(crate) fn apply(walk: &mut Walk, root: &mut Table, argument: &str, base: usize) {
+/// A change of a scene: `--set PATH=VALUE`, or an option of its own, which faults name as it was written.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Override {
+    /// `--set`, with its argument.
+    Set(String),
+    /// An option for a setting of `[engine]`.
+    Engine {
+        /// The option: "--step".
+        option: &'static str,
+        /// The setting: "step".
+        key: &'static str,
+        /// What was written behind the option.
+        text: String,
+        /// What it must be.
+        kind: OptionKind,
+    },
+}
+
+/// What stands behind an option.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OptionKind {
+    /// A name.
+    Word,
+    /// A number.
+    Number,
+    /// A number of seconds, whatever unit the scene has there.
+    Seconds,
+    /// Nothing: the option sets the flag.
+    Flag,
+}
+
+impl Override {
+    /// Its name in faults, and the text that their places point into.
+    pub(crate) fn source(&self) -> (String, &str) {
+        match self {
+            Override::Set(argument) => (format!("--set {argument}"), argument),
+            Override::Engine { option, text, .. } => (format!("{option} {text}").trim_end().to_owned(), text),
+        }
+    }
+}
+
+impl From<String> for Override {
+    fn from(argument: String) -> Self {
+        Override::Set(argument)
+    }
+}
+
+impl From<&str> for Override {
+    fn from(argument: &str) -> Self {
+        Override::Set(argument.to_owned())
+    }
+}
+
+/// Applies one change, whose text has been added to the sources at `base`.
+pub(crate) fn apply(walk: &mut Walk, root: &mut Table, change: &Override, base: usize) {
+    match change {
+        Override::Set(argument) => set(walk, root, argument, base),
+        Override::Engine { key, text, kind, .. } => {
+            let span = Span { start: base, end: base + text.len() };
+            let node = |value| Node { value, span };
+            let number =
+                || text.trim().parse().ok().map(|value| Value::Number { value, whole: text.trim().parse().ok() });
+            let value = match kind {
+                OptionKind::Word => Some(Value::Text(text.clone())),
+                OptionKind::Flag => Some(Value::Flag(true)),
+                OptionKind::Number => number(),
+                OptionKind::Seconds => number().map(|number| {
+                    let mut table = Table::default();
+                    table.put("value", span, node(number));
+                    table.put("unit", span, node(Value::Text("s".to_owned())));
+                    Value::Table(table)
+                }),
+            };
+            match value {
+                Some(value) => put(walk, root, &[("engine".to_owned(), span), ((*key).to_owned(), span)], node(value)),
+                None => walk.fault(span, format!("expected a number, found `{text}`"), None),
+            }
+        }
+    }
+}
+
+fn set(walk: &mut Walk, root: &mut Table, argument: &str, base: usize) {
     let whole = Span { start: base, end: base + argument.len() };
     let Some((path, text)) = argument.split_once('=') else {
         walk.fault(whole, "expected PATH=VALUE", Some("as in --set engine.step=1e-3".to_owned()));
@@ -46,6 +126,11 @@ pub(crate) fn apply(walk: &mut Walk, root: &mut Table, argument: &str, base: usi
         steps.push((name.to_owned(), span));
         start += part.len() + 1;
     }
+    put(walk, root, &steps, new);
+}
+
+/// Puts `new` where the path of `steps` leads.
+fn put(walk: &mut Walk, root: &mut Table, steps: &[(String, Span)], new: Node) {
     let (section, section_span) = &steps[0];
     let Some((_, open)) = SECTIONS.iter().find(|(name, _)| name == section) else {
         let help = help_for(section, SECTIONS.iter().map(|(name, _)| *name));
@@ -61,7 +146,7 @@ pub(crate) fn apply(walk: &mut Walk, root: &mut Table, argument: &str, base: usi
             root.put(section, *section_span, Node { value: Value::Table(Table::default()), span: *section_span });
         }
     }
-    if let [_] = &steps[..] {
+    if let [_] = steps {
         if section == "title" {
             root.put(section, *section_span, new);
         } else {

@@ -5,7 +5,7 @@
 use super::data::*;
 use super::tree::{Node, Table, Value};
 use super::walk::Walk;
-use crate::fault::{Span, Spanned, help_for};
+use crate::fault::{Span, Spanned, help_for, number};
 
 /// Words for backends.
 const BACKENDS: [(&str, BackendChoice); 4] = [
@@ -51,7 +51,7 @@ fn time(walk: &mut Walk, key: &str, key_span: Span, node: &Node, zero: bool) -> 
         return Some(time);
     }
     let least = if zero { "not below 0" } else { "above 0" };
-    walk.fault(time.span, format!("expected a time {least}, found {}", time.value), None);
+    walk.fault(time.span, format!("expected a time {least}, found {}", number(time.value)), None);
     None
 }
 

@@ -6,7 +6,8 @@ use vesper_dimension::Unit;
 
 use super::data::Parameter;
 use super::tree::{Node, Table, Value};
-use crate::fault::{SceneFault, Sources, Span, Spanned, help_for, nearest};
+use super::unit_names;
+use crate::fault::{SceneFault, Sources, Span, Spanned, help_for, nearest, number};
 
 /// The faults found so far, and the texts they point into.
 #[derive(Debug, Default)]
@@ -142,7 +143,7 @@ impl Walk {
                 }
             },
             Value::Number { value, .. } if value.is_finite() => {
-                self.fault(node.span, format!("expected {what}, found {value}"), None);
+                self.fault(node.span, format!("expected {what}, found {}", number(*value)), None);
                 None
             }
             _ => self.expected(&what, node),
@@ -214,7 +215,8 @@ impl Walk {
         match Unit::parse(&text.value) {
             Ok(_) => Some(text),
             Err(error) => {
-                self.fault(node.span, error.message(&text.value), None);
+                let (text, help) = unit_names::message(error, &text.value);
+                self.fault(node.span, text, help);
                 None
             }
         }

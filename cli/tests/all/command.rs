@@ -66,6 +66,17 @@ fn damping_without_a_damper_is_told() {
 }
 
 #[test]
+fn a_strict_run_wants_every_law() {
+    let folder = Scratch::new("strict");
+    let path = folder.write("pair.toml", PAIR);
+    for word in ["run", "explain"] {
+        assert_eq!(vesper([word, &path]).status, 0);
+        let strict = vesper([word, &path, "--strict"]);
+        assert!(strict.status == 2 && strict.stderr.contains("drag must run, but is dormant"), "{}", strict.stderr);
+    }
+}
+
+#[test]
 fn observed_columns_and_subsets() {
     let folder = Scratch::new("observe");
     let text = PAIR.replace("end = 1", "end = 1\nobserve = [\"bodies.force\", \"bodies.charge\", \"springs.ends\"]");
@@ -121,6 +132,32 @@ fn exit_status_2_and_nothing_run_or_written() {
 }
 
 #[test]
+fn a_wrong_option_is_named_as_it_was_written() {
+    let folder = Scratch::new("options");
+    let path = folder.write("pair.toml", PAIR);
+    for (option, value, expected) in [
+        ("--step", "nan", "expected a number, found nan"),
+        ("--step", "fast", "expected a number, found `fast`"),
+        ("--step", "1e-300", "1 s in steps of 1e-300 s are too many to count"),
+        ("--end", "-1", "expected a time not below 0, found -1"),
+        ("--threads", "0", "expected a whole number, 1 or more, found 0"),
+        ("--threads", "2.5", "expected a whole number, 1 or more, found 2.5"),
+        ("--precision", "f16", "expected \"f32\" or \"f64\", found \"f16\""),
+        ("--backend", "paralel", "did you mean `parallel`?"),
+        ("--integrator", "leapfog", "no integrator is named `leapfog`"),
+        ("--every", "0", "expected a whole number, 1 or more, found 0"),
+        ("--every", "x", "expected a whole number, 1 or more, found x"),
+    ] {
+        let wrong = vesper(["run", &path, option, value, "--out", &folder.file("out")]);
+        assert_eq!(wrong.status, 2, "{option} {value}");
+        for words in [&format!("--> {option} {value}\n")[..], expected, "1 mistake; nothing was run\n"] {
+            assert!(wrong.stderr.contains(words), "{option} {value} lacks {words}: {}", wrong.stderr);
+        }
+        assert!(!wrong.stderr.contains("--set"), "{}", wrong.stderr);
+    }
+}
+
+#[test]
 fn exit_status_3_with_the_state_up_to_then() {
     let folder = Scratch::new("broken");
     // A spring so stiff that the step makes it explode.
@@ -130,7 +167,8 @@ fn exit_status_3_with_the_state_up_to_then() {
     let broken = vesper(["run", &path, "--json", "--out", &out]);
     assert_eq!(broken.status, 3, "{}", broken.stderr);
     assert!(
-        broken.stderr.contains("became") && broken.stderr.contains("the state up to then is written"),
+        broken.stderr.contains("became")
+            && broken.stderr.contains(&format!("written to {out}: bodies.csv, trajectories.svg, summary.json\n")),
         "{}",
         broken.stderr
     );
@@ -144,6 +182,54 @@ fn exit_status_3_with_the_state_up_to_then() {
     assert!(table.lines().last().unwrap().starts_with(&format!("{time:?},1,")), "{table}");
     assert_eq!(serde_json::from_str::<serde_json::Value>(&folder.read("out/summary.json")).unwrap()["steps"], steps);
     assert!(!folder.0.join("out/checkpoint.json").exists(), "there is nothing to go on from");
+}
+
+#[test]
+fn a_run_that_fails_late_leaves_a_checkpoint_from_before() {
+    let folder = Scratch::new("late");
+    // A little stiffer than the step can follow: it takes about 1000 steps to grow beyond all numbers.
+    let path = folder
+        .write("pair.toml", &PAIR.replace("stiffness = [10]", "stiffness = [30000]").replace("end = 1", "end = 100"));
+    let out = folder.file("out");
+    let broken = vesper(["run", &path, "--out", &out, "--quiet"]);
+    assert_eq!(broken.status, 3, "{}", broken.stderr);
+    let half = folder.file("out/checkpoint.json");
+    let state: serde_json::Value = serde_json::from_str(&folder.read("out/checkpoint.json")).unwrap();
+    let failed: serde_json::Value = serde_json::from_str(&folder.read("out/summary.json")).unwrap();
+    let (kept, last) = (state["steps"].as_u64().unwrap(), failed["steps"].as_u64().unwrap());
+    assert!(0 < kept && kept < last && last - kept <= 80, "{kept} {last}");
+    assert!(broken.stderr.contains(&format!("step {kept}, with --resume {half}\n")), "{}", broken.stderr);
+    done([
+        "run",
+        &path,
+        "--resume",
+        &half,
+        "--step",
+        "0.001",
+        "--end",
+        &(0.01 * kept as f64 + 0.1).to_string(),
+        "--quiet",
+    ]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn files_that_cannot_be_written_are_not_said_to_be() {
+    let all = ["bodies.csv", "trajectories.svg", "summary.json", "checkpoint.json"];
+    for (index, lost) in all.iter().enumerate() {
+        let folder = Scratch::new(&format!("lost-{index}"));
+        let path = folder.write("pair.toml", PAIR);
+        std::fs::create_dir(folder.0.join("out")).unwrap();
+        std::os::unix::fs::symlink("/dev/full", folder.0.join("out").join(lost)).unwrap();
+        let out = folder.file("out");
+        let failed = vesper(["run", &path, "--out", &out]);
+        assert_eq!(failed.status, 3, "{lost}");
+        let written: Vec<&str> = all.into_iter().filter(|file| file != lost).collect();
+        for words in [format!("cannot write `{out}/{lost}`"), format!("written to {out}: {}\n", written.join(", "))] {
+            assert!(failed.stderr.contains(&words), "{lost} lacks {words}: {}", failed.stderr);
+        }
+        assert!(!failed.stdout.contains("written"), "{}", failed.stdout);
+    }
 }
 
 #[test]
@@ -169,6 +255,9 @@ fn changes_of_the_scene() {
     // The end is covered exactly, by a shorter last step.
     let odd = run(&["--end", "0.123"]);
     assert_eq!((&odd["time"], &odd["steps"]), (&json!(0.123), &json!(13)));
+    let long = done(["run", &path, "--step", "100", "--end", "3"]).stdout;
+    assert!(long.contains("in 1 step of") && long.contains("the last step is 3 s, not 100 s"), "{long}");
+    assert!(!done(["run", &path]).stdout.contains("the last step"));
 }
 
 #[test]
@@ -208,6 +297,86 @@ fn a_folder_of_results() {
     // Without --every all ten frames are few enough.
     done(["run", &path, "--out", &out]);
     assert_eq!(folder.read("deep/out/bodies.csv").lines().count(), 1 + 2 * 11);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_is_written_and_goes_on() {
+    use std::process::{Command, Stdio};
+    let folder = Scratch::new("interrupt");
+    let path = folder.write("pair.toml", &PAIR.replace("end = 1", "end = 1e6\nframe = 0.1"));
+    let out = folder.file("out");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vesper"));
+    command.args(["run", &path, "--out", &out, "--every", "1000"]).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let run = command.spawn().unwrap();
+    // It runs once it has begun its table.
+    while !folder.0.join("out/bodies.csv").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    assert!(Command::new("kill").args(["-INT", &run.id().to_string()]).status().unwrap().success());
+    let ended = run.wait_with_output().unwrap();
+    let (said, complained) = (String::from_utf8(ended.stdout).unwrap(), String::from_utf8(ended.stderr).unwrap());
+    assert_eq!(ended.status.code(), Some(130), "{complained}");
+    assert!(complained.contains(&format!("--resume {out}/checkpoint.json")), "{complained}");
+    assert!(said.contains("steps of leapfrog"), "{said}");
+    let summary: serde_json::Value = serde_json::from_str(&folder.read("out/summary.json")).unwrap();
+    check_schema(&summary);
+    assert_eq!(summary["error"], "interrupted");
+    let time = summary["time"].as_f64().unwrap();
+    assert!(time < 1e6);
+    assert!(folder.read("out/bodies.csv").lines().last().unwrap().starts_with(&format!("{time:?},1,")));
+    // Where it goes on to, it comes to the same bits as a run in one.
+    let (end, half) = ((time + 1.0).to_string(), folder.file("out/checkpoint.json"));
+    let json =
+        |more: &[&str]| done([&["run", &path, "--json", "--end", &end], more].concat()).json()["domains"].clone();
+    assert_eq!(json(&["--resume", &half]), json(&[]));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told_and_a_reader_that_went_away_is_not() {
+    use std::process::{Command, Stdio};
+    let folder = Scratch::new("full");
+    let path = folder.write("pair.toml", PAIR);
+    for arguments in [
+        &["run", &path][..],
+        &["run", &path, "--json"],
+        &["explain", &path],
+        &["laws"],
+        &["laws", "gravity"],
+        &["--help"],
+    ] {
+        let vesper = || Command::new(env!("CARGO_BIN_EXE_vesper"));
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let full = vesper().args(arguments).stdout(full).output().unwrap();
+        let said = String::from_utf8(full.stderr).unwrap();
+        assert!(
+            full.status.code() == Some(3) && said.contains("cannot write to standard output"),
+            "{arguments:?} {said}"
+        );
+        let mut gone = vesper().args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(gone.stdout.take());
+        let gone = gone.wait_with_output().unwrap();
+        assert!(gone.status.success() && gone.stderr.is_empty(), "{arguments:?}");
+    }
+}
+
+#[test]
+fn a_picture_has_more_moments_than_its_table_and_a_title_of_what_was_run() {
+    let folder = Scratch::new("picture");
+    let path = folder.write("pair.toml", PAIR);
+    let draw = |more: &[&str]| {
+        done([&["run", &path, "--quiet", "--out", &folder.file("out"), "--every", "50"], more].concat());
+        folder.read("out/trajectories.svg")
+    };
+    let whole = draw(&[]);
+    assert_eq!(folder.read("out/bodies.csv").lines().count(), 1 + 2 * 3);
+    let points = whole.lines().filter(|line| line.starts_with("<path d=\"M") && line.contains("stroke-linejoin"));
+    let points: Vec<usize> = points.map(|line| line.matches('L').count()).collect();
+    assert!(points.len() == 2 && points.iter().all(|points| *points > 60), "{points:?}");
+    assert!(!whole.contains("run to"), "{whole}");
+    let part = draw(&["--end", "0.5"]);
+    assert!(part.contains("&lt;c&gt; (run to 0.5 s)</text>"), "{part}");
 }
 
 /// Runs to `end` at once, and to `middle` and on from there: the same bits.
@@ -253,8 +422,19 @@ fn a_checkpoint_of_another_scene_is_refused() {
         assert!(refused.status == 2 && refused.stderr.contains("the checkpoint does not fit"), "{}", refused.stderr);
     }
     // At its end already: nothing to do is no fault.
-    let value = done(["run", &path, "--end", "0.05", "--resume", &half, "--json"]).json();
+    let value = done(["run", &path, "--end", "0.1", "--resume", &half, "--json"]).json();
     assert_eq!((&value["steps"], &value["time"]), (&json!(10), &json!(0.1)));
+    let past = vesper(["run", &path, "--end", "0.05", "--resume", &half]);
+    assert!(past.status == 2 && past.stderr.contains("at 0.1 s, is already past the end, 0.05 s"), "{}", past.stderr);
+}
+
+#[test]
+fn the_help_tells_what_is_written_and_offers_what_there_is() {
+    let help = done(["run", "--help"]).stdout;
+    for words in ["for each domain that shows columns", "overwritten", "velocities in m/s", "auto|cpu|parallel"] {
+        assert!(help.contains(words), "{words}: {help}");
+    }
+    assert!(!help.contains("gpu"), "{help}");
 }
 
 #[test]

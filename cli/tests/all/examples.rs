@@ -118,6 +118,24 @@ fn the_web_comes_to_rest() {
 }
 
 #[test]
+fn a_summary_explains_its_numbers() {
+    let said = done(["run", &scene("solar-system"), "--end", "31800000", "--step", "7200"]).stdout;
+    for words in [
+        "changed by\n",
+        "times G, since the scene gives GM for masses",
+        "newtonian_field, einstein_infeld_hoffmann, which these laws do not tell",
+        "2440775.5  1970-07-08",
+        "EMB is the barycentre of Earth and Moon",
+        "GeoMoon is Moon as seen from Earth",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    // The web has friction, and a rim that is held fast: nothing is kept, and nothing is said to be.
+    let said = done(["run", &scene("c5-spider-web"), "--end", "1"]).stdout;
+    assert!(said.contains("in J, kg m/s, kg m^2/s") && !said.contains("kept"), "{said}");
+}
+
+#[test]
 fn a_year_of_planets_beside_jpl() {
     let value = run("solar-system", &["--end", "31800000", "--step", "7200"]);
     let rows = value["compare"].as_array().unwrap();

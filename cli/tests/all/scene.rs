@@ -10,7 +10,7 @@ fn folder() -> PathBuf {
 }
 
 fn read(overrides: &[&str]) -> Result<Scene, Vec<SceneFault>> {
-    let overrides: Vec<String> = overrides.iter().map(|one| (*one).to_owned()).collect();
+    let overrides: Vec<Override> = overrides.iter().map(|one| Override::from(*one)).collect();
     Scene::read(&folder().join("valid.toml"), &overrides)
 }
 
@@ -193,7 +193,7 @@ fn no_mutation_panics() {
         if text.lines().any(|line| line.starts_with("count") && line.len() > 14) {
             continue;
         }
-        if let Err(faults) = Scene::from_text("mutant.toml", &text, &folder(), &["engine.step=1".to_owned()]) {
+        if let Err(faults) = Scene::from_text("mutant.toml", &text, &folder(), &["engine.step=1".into()]) {
             refused += 1;
             assert!(!faults.is_empty());
             let _ = print_faults(&faults);

@@ -37,6 +37,7 @@ const TABLE: &[(&str, &str)] = &[
     ("[engine]\nstep = \"1e-3\"", "2:8: expected a number, found text"),
     ("[engine]\nstep = -1", "2:8: expected a time above 0, found -1"),
     ("[engine]\nend = { value = 3, unit = \"km\" }", "2:27: expected a unit like s, found km"),
+    ("[engine]\nend = { value = 3, unit = \"msec\" }", "2:27: unknown unit `msec` in \"msec\": did you mean `ms`?"),
     ("[engine]\nstrict = \"no\"", "2:10: expected true or false, found text"),
     ("[engine]\nthreads = 1.5", "2:11: expected a whole number, 1 or more, found 1.5"),
     (
