@@ -274,6 +274,14 @@ fn implementation(law: &Law) -> TokenStream {
     });
     let mut component = 0;
     let values: Vec<TokenStream> = law.members.iter().map(|member| from_values(member, &mut component)).collect();
+    let own = law.members.iter().flat_map(|member| match member {
+        Member::Parameter { name, vector: false, .. } => vec![quote!(self.#name)],
+        Member::Parameter { name, .. } => {
+            let component = |axis: TokenStream| quote!(::vesper::real::Vector::<f64>::#axis(self.#name));
+            vec![component(quote!(x)), component(quote!(y)), component(quote!(z))]
+        }
+        Member::Kept { .. } | Member::Fresh { .. } => Vec::new(),
+    });
     let argument = if component == 0 { quote!(_values) } else { quote!(values) };
     quote! {
         const PORTS: &[::vesper::law::Port] = &[#(#ports),*];
@@ -293,6 +301,7 @@ fn implementation(law: &Law) -> TokenStream {
             type Body<#number: ::vesper::real::Real> = #body;
             fn body<#number: ::vesper::real::Real>(&self) -> #body { #name { #(#bodies)* } }
             fn from_parameters(#argument: &[f64]) -> Self { Self { #(#values)* } }
+            fn parameters(&self) -> ::std::vec::Vec<f64> { ::std::vec::Vec::from([#(#own),*]) }
         }
     }
 }

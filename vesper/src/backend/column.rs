@@ -13,7 +13,12 @@ pub(crate) trait ColumnKernel<P: Scalar>: Send + Sync {
 
 /// Makes a column law runnable.
 pub fn column<P: Scalar, F: ColumnFamily>(law: &F) -> Compiled<P> {
-    Compiled { signature: F::SIGNATURE, energy: false, kernel: Kernel::Column(Box::new(law.clone())) }
+    Compiled {
+        signature: F::SIGNATURE,
+        energy: false,
+        parameters: law.parameters(),
+        kernel: Kernel::Column(Box::new(law.clone())),
+    }
 }
 
 impl<P: Scalar, F: ColumnFamily> ColumnKernel<P> for F {

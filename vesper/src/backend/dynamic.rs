@@ -17,7 +17,7 @@ impl Compile for DynLaw {
 
 fn compiled<P: Scalar>(law: &DynLaw) -> Compiled<P> {
     let kernel = Closure { slots: law.signature.slots(), law: law.clone() };
-    Compiled { signature: law.signature, energy: false, kernel: Kernel::Row(Box::new(kernel)) }
+    Compiled { signature: law.signature, energy: false, parameters: Vec::new(), kernel: Kernel::Row(Box::new(kernel)) }
 }
 
 struct Closure {

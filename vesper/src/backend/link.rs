@@ -58,6 +58,7 @@ pub fn link<P: Scalar, F: LinkFamily<N>, const N: usize>(law: &F) -> Compiled<P>
     Compiled {
         signature: F::SIGNATURE,
         energy: F::ENERGY,
+        parameters: law.parameters(),
         kernel: Kernel::Link(Box::new(OfArity::<F, N>(law.clone()))),
     }
 }

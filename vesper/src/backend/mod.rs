@@ -62,6 +62,8 @@ pub struct Compiled<P: Scalar> {
     pub(crate) signature: Signature,
     pub(crate) kernel: Kernel<P>,
     pub(crate) energy: bool,
+    /// The values of the law's parameters, component by component.
+    pub(crate) parameters: Vec<f64>,
 }
 
 impl<P: Scalar> core::fmt::Debug for Compiled<P> {

@@ -37,7 +37,12 @@ pub(crate) trait PairKernel<P>: Send + Sync {
 /// Makes the loop of a pair law.
 pub fn pair<P: Scalar, F: PairFamily>(law: &F) -> Compiled<P> {
     const { assert!(added(&F::SIGNATURE) <= SUMS, "a pair law adds to at most 12 numbers") };
-    Compiled { signature: F::SIGNATURE, energy: F::ENERGY, kernel: Kernel::Pair(Box::new(law.clone())) }
+    Compiled {
+        signature: F::SIGNATURE,
+        energy: F::ENERGY,
+        parameters: law.parameters(),
+        kernel: Kernel::Pair(Box::new(law.clone())),
+    }
 }
 
 /// The first slot that the law adds to: outputs follow the inputs.

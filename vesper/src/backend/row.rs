@@ -47,7 +47,12 @@ pub(crate) trait RowKernel<P>: Send + Sync {
 
 /// Makes the loop of a row law.
 pub fn row<P: Scalar, F: RowFamily>(law: &F) -> Compiled<P> {
-    Compiled { signature: F::SIGNATURE, energy: F::ENERGY, kernel: Kernel::Row(Box::new(law.clone())) }
+    Compiled {
+        signature: F::SIGNATURE,
+        energy: F::ENERGY,
+        parameters: law.parameters(),
+        kernel: Kernel::Row(Box::new(law.clone())),
+    }
 }
 
 /// Whether a law gives rates; if not, all rules compile to the same loop, and one is enough.

@@ -308,6 +308,7 @@ impl<P: Scalar> Builder<P> {
             }
         }
         faults.dedup();
+        faults.extend(self.laws.iter().flat_map(parameter_faults));
         for name in &self.required {
             let missing = no_law(name, &self.laws);
             let laws = self.laws.iter_mut().filter(|law| law.entry.label() == name);
@@ -358,6 +359,19 @@ impl<P: Scalar> Builder<P> {
         engine.observe()?;
         Ok(engine)
     }
+}
+
+/// A fault for each parameter of a law that is infinite or NaN.
+fn parameter_faults<P: Scalar>(law: &Listed<P>) -> Vec<Fault> {
+    let declared = law.entry.signature.parameters.iter();
+    let names = declared.flat_map(|parameter| core::iter::repeat_n(parameter.name, parameter.width));
+    let bad = names.zip(&law.compiled.parameters).filter(|(_, value)| !value.is_finite());
+    let fault = |(parameter, value): (&str, &f64)| Fault::ParameterNotFinite {
+        law: law.entry.label().to_owned(),
+        parameter: parameter.to_owned(),
+        value: *value,
+    };
+    bad.map(fault).collect()
 }
 
 /// A fault for a name that no listed law has.

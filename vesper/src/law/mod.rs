@@ -36,4 +36,6 @@ pub trait Law: Clone + Send + Sync + Sized + 'static {
     fn body<R: Real>(&self) -> Self::Body<R>;
     /// The law from its parameters' components, in declared order.
     fn from_parameters(values: &[f64]) -> Self;
+    /// Its parameters' components, in declared order.
+    fn parameters(&self) -> Vec<f64>;
 }

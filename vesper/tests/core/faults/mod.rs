@@ -93,6 +93,10 @@ fn mistakes_in_settings() {
             built(moving().field(ElectricField, Uniform { value: [0.0, f64::NAN, 0.0] })),
             "field electric_field is NaN everywhere: give finite numbers",
         ),
+        (
+            built(moving().law(Gravity { g: f64::NAN, softening: f64::INFINITY })),
+            "gravity: parameter g is NaN: give a finite number\ngravity: parameter softening is inf: give a finite number",
+        ),
         (built(moving().threads(0)), "threads is 0: give 1 to 1024, or leave it out for all cores"),
         (switched("motoin"), "no law motoin; did you mean motion?"),
         (switched("x"), "no law x: list it in the builder"),

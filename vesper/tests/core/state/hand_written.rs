@@ -31,6 +31,9 @@ impl<const READ: usize, const WRITTEN: usize> Law for Counted<READ, WRITTEN> {
     fn from_parameters(_: &[f64]) -> Self {
         Counted
     }
+    fn parameters(&self) -> Vec<f64> {
+        Vec::new()
+    }
 }
 
 property! {
