@@ -11,7 +11,8 @@ property! {
 ///
 /// Equation: U_i = sum over j of GM_j / |d|, g_i = sum over j of GM_j d / |d|^3, d = x_j - x_i.
 ///
-/// Source: Will, Theory and Experiment in Gravitational Physics, 2nd ed., sec. 4.1: U in the Newtonian limit; g is its gradient.
+/// Source: Will, Theory and Experiment in Gravitational Physics, 2nd ed., sec. 4.1: U in the Newtonian limit; g is its
+/// gradient.
 ///
 /// Limits: as `gravity_by_parameter`, without softening. It moves nothing by itself: the acceleration that moves rows is
 /// another property. `einstein_infeld_hoffmann` needs it.

@@ -6,8 +6,9 @@ use vesper::prelude::*;
 ///
 /// Source: Hooke, De Potentia Restitutiva (1678).
 ///
-/// Limits: no mass, no bending, no breaking, linear at any strain. No damping: that is the law `damper`. The axis of coincident ends is not defined: they feel no
-/// force there, which with a rest length above 0 is a point of unstable rest. The step must resolve sqrt(k / m).
+/// Limits: no mass, no bending, no breaking, linear at any strain. No damping: that is the law `damper`. The axis of
+/// coincident ends is not defined: they feel no force there, which with a rest length above 0 is a point of unstable rest.
+/// The step must resolve sqrt(k / m).
 #[derive(Law, Clone, Copy, Debug)]
 #[law(
     reads(stiffness: Stiffness, rest_length: RestLength),

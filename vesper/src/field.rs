@@ -65,7 +65,7 @@ pub struct Point {
 
 /// The field of a dipole: `(3 n (m . n) - m) / r^3` with `n = (position - at) / r`; 0 at the centre itself.
 ///
-/// Griffiths, Introduction to Electrodynamics, 4th ed., eq. 5.89, without its factor `mu_0 / 4 pi`: the moment includes it.
+/// Griffiths, Introduction to Electrodynamics, 4th ed., eq. 5.89, without its factor `mu_0 / 4 pi`: the moment has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dipole {
     /// The centre, in m.

@@ -65,7 +65,7 @@ impl Problem for Oscillator {
 pub fn damped_oscillation(square: f64, decay: f64, (x, v): (f64, f64), time: f64) -> (f64, f64) {
     let split = square - decay * decay;
     let fade = (-decay * time).exp();
-    // x = x0 C + (v0 + decay x0) S with C = e^(-decay t) cos(omega t) and S = e^(-decay t) sin(omega t) / omega: circular,
+    // x = x0 C + (v0 + decay x0) S with C = e^(-decay t) cos(omega t), S = e^(-decay t) sin(omega t) / omega: circular,
     // hyperbolic, or at the border. From S' = C - decay S and C' = -split S - decay C follows
     // x' = v0 C - (square x0 + decay v0) S.
     let (c, s) = if split > 0.0 {
