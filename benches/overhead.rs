@@ -135,7 +135,6 @@ fn tetrahedron() -> Lattice {
         bodies,
         ends: vec![[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]],
         stiffness: vec![1000.0; 6],
-        damping: vec![1.0; 6],
         rest_length: vec![2.75; 6],
     }
 }

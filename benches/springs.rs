@@ -1,4 +1,4 @@
-//! Links: 100 000 damped springs of a lattice beside a hand-written loop.
+//! Links: 100 000 springs of a lattice beside a hand-written loop.
 
 use vesper::prelude::*;
 use vesper_benches::hand::{Sprung, difference};
@@ -46,7 +46,7 @@ fn study<P: Precision>(run: Run, summary: &mut Summary, lines: &mut criterion::C
     if run.wants(&name) {
         let times = Race::default().run(run, SPRINGS as f64, &mut contenders);
         let [ours, hand] = times[..] else { return };
-        let case = Case { name: "damped springs", n: SPRINGS, precision: P::NAME, unit: "ns/spring" };
+        let case = Case { name: "springs", n: SPRINGS, precision: P::NAME, unit: "ns/spring" };
         summary.add(case, ours, &[(hand, Some(error))]);
     }
     Race::lines(lines, &name, SPRINGS as f64, &mut contenders);

@@ -72,8 +72,6 @@ pub struct Lattice {
     pub ends: Vec<[u32; 2]>,
     /// Stiffnesses, in N/m.
     pub stiffness: Vec<f64>,
-    /// Coefficients of damping, in N s/m.
-    pub damping: Vec<f64>,
     /// Lengths at ease, in m.
     pub rest_length: Vec<f64>,
 }
@@ -98,7 +96,6 @@ impl Lattice {
         lattice.ends.truncate(springs);
         let springs = lattice.ends.len();
         lattice.stiffness = (0..springs).map(|_| random.between(500.0, 1000.0)).collect();
-        lattice.damping = (0..springs).map(|_| random.between(0.5, 1.0)).collect();
         lattice.rest_length = vec![1.0; springs];
         lattice
     }
@@ -108,7 +105,6 @@ impl Lattice {
         Domain::new("springs")
             .link(Ends, "bodies", self.ends.iter().copied())
             .with(Stiffness, &self.stiffness)
-            .with(Damping, &self.damping)
             .with(RestLength, &self.rest_length)
     }
 }

@@ -15,7 +15,6 @@ pub struct Sprung<P> {
     mass: Column<P>,
     ends: Vec<[u32; 2]>,
     stiffness: Column<P>,
-    damping: Column<P>,
     rest_length: Column<P>,
 }
 
@@ -30,7 +29,6 @@ impl<P: Precision> Sprung<P> {
             force: Column::vectors(7, &bodies.velocity),
             ends: lattice.ends.clone(),
             stiffness: Column::new(10, lattice.stiffness.iter().copied()),
-            damping: Column::new(11, lattice.damping.iter().copied()),
             rest_length: Column::new(12, lattice.rest_length.iter().copied()),
         }
     }
@@ -46,15 +44,13 @@ impl<P: Precision> Sprung<P> {
         for row in 0..rows {
             (fx[row], fy[row], fz[row]) = (gx * mass[row], gy * mass[row], gz * mass[row]);
         }
-        let (stiffness, damping) = (self.stiffness.numbers(), self.damping.numbers());
-        let rest_length = self.rest_length.numbers();
+        let (stiffness, rest_length) = (self.stiffness.numbers(), self.rest_length.numbers());
         for (spring, [a, b]) in self.ends.iter().map(|ends| ends.map(|end| end as usize)).enumerate() {
             let (dx, dy, dz) = (x[b] - x[a], y[b] - y[a], z[b] - z[a]);
             let length = (dx * dx + dy * dy + dz * dz).sqrt();
             let inverse = if length == P::default() { P::default() } else { P::lit(1.0) / length };
             let (nx, ny, nz) = (dx * inverse, dy * inverse, dz * inverse);
-            let closing = (vx[b] - vx[a]) * nx + (vy[b] - vy[a]) * ny + (vz[b] - vz[a]) * nz;
-            let pull = stiffness[spring] * (length - rest_length[spring]) + damping[spring] * closing;
+            let pull = stiffness[spring] * (length - rest_length[spring]);
             let (px, py, pz) = (nx * pull, ny * pull, nz * pull);
             fx[a] += px;
             fy[a] += py;

@@ -8,6 +8,10 @@ use crate::property::{Give, Numeric, Property, Role, Take, ValueOf};
 use crate::real::Real;
 
 /// The values and results of a law over the numbers `R`. Made by `#[derive(Law)]`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a law over the numbers `{R}`",
+    note = "a law that is declared as `Name<R = f64>` is `Name<R>` there"
+)]
 pub trait Declared<R: Real> {
     /// What the body gets of a row.
     type Row: Copy;

@@ -34,7 +34,7 @@ pub trait Law: Clone + Send + Sync + Sized + 'static {
     type Body<R: Real>: Declared<R>;
     /// The law with its parameters in the numbers `R`.
     fn body<R: Real>(&self) -> Self::Body<R>;
-    /// The law from its parameters' components, in declared order.
+    /// The law from its parameters' components, in declared order; missing ones have their defaults, or are NaN.
     fn from_parameters(values: &[f64]) -> Self;
     /// Its parameters' components, in declared order.
     fn parameters(&self) -> Vec<f64>;
