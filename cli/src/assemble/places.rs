@@ -57,6 +57,8 @@ pub(super) fn placed(scene: &Scene, fault: &Fault) -> (Option<Span>, String, Opt
             format!("law `{name}` can stand on {}", domains.join(" or ")),
             domains.first().map(|domain| format!("say on which: domain = \"{domain}\"")),
         ),
+        // What a program can do about it, a scene cannot.
+        Fault::BlowUp { .. } => (None, text.split("; trace_blow_ups").next().unwrap_or(&text).to_owned(), None),
         Fault::LawTwice { law: name, domain, .. } => (
             scene.laws.iter().rev().find(|law| law.called() == name).map(|law| law.name.span),
             format!("law `{name}` is listed twice on domain {domain}"),

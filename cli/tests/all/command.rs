@@ -167,7 +167,7 @@ fn exit_status_3_with_the_state_up_to_then() {
     let broken = vesper(["run", &path, "--json", "--out", &out]);
     assert_eq!(broken.status, 3, "{}", broken.stderr);
     assert!(
-        broken.stderr.contains("became")
+        broken.stderr.contains("is NaN; motion moves it")
             && broken.stderr.contains(&format!("written to {out}: bodies.csv, trajectories.svg, summary.json\n")),
         "{}",
         broken.stderr
