@@ -92,7 +92,7 @@ fn composed_laws() {
             true => builder.laws(pipeline![Weight, Drag, Motion]),
             false => builder.law(Weight).law(Drag).law(Motion),
         };
-        let mut engine = builder.isa(Isa::Portable).build().unwrap();
+        let mut engine = builder.isa(Isa::Baseline).build().unwrap();
         engine.advance(0.02).unwrap();
         assert_eq!(engine.explain().contains("one loop composed at compile time"), composed);
         engine.state().hash()

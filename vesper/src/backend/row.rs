@@ -7,6 +7,7 @@ use super::pointers::{
 use super::within::Within;
 use super::{Compiled, Kernel};
 use crate::law::{Declared, Mode, Part, Place, RowFamily, RowLaw, Signature, Source};
+use crate::property::Role;
 use crate::real::{Isa, Lanes, Scalar, WithLanes, prefetch};
 use core::marker::PhantomData;
 
@@ -55,23 +56,48 @@ pub fn row<P: Scalar, F: RowFamily>(law: &F) -> Compiled<P> {
     }
 }
 
-/// Whether a law gives rates; if not, all rules compile to the same loop, and one is enough.
-const fn gives_rates(signature: &Signature) -> bool {
+/// Which loops a law needs: where two rules would give the same, one is made.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Gives {
+    /// No rates.
+    Values,
+    /// Nothing but rates of coordinates, or nothing but rates of momenta: there is no part of them to leave out.
+    OneRole,
+    /// Anything else.
+    Mixed,
+}
+
+const fn gives(signature: &Signature) -> Gives {
+    let (mut values, mut coordinates, mut momenta) = (false, false, false);
     let mut port = 0;
     while port < signature.ports.len() {
-        if matches!(signature.ports[port].mode, Mode::Rates) {
-            return true;
+        let declared = &signature.ports[port];
+        match (declared.mode, declared.property.role) {
+            (Mode::Reads | Mode::Previous, _) => {}
+            (Mode::Rates, Role::Coordinate) => coordinates = true,
+            (Mode::Rates, _) => momenta = true,
+            (Mode::Adds | Mode::Sets | Mode::Amends, _) => values = true,
         }
         port += 1;
     }
-    false
+    match (values, coordinates, momenta) {
+        (_, false, false) => Gives::Values,
+        (false, true, false) | (false, false, true) => Gives::OneRole,
+        _ => Gives::Mixed,
+    }
 }
 
 impl<P: Scalar, F: RowFamily> RowKernel<P> for F {
     unsafe fn run(&self, isa: Isa, call: &RowCall<'_, P>) {
-        if const { !gives_rates(&F::SIGNATURE) } {
+        if const { matches!(gives(&F::SIGNATURE), Gives::Values) } {
             return match call.first {
                 true => run::<P, F, StoreFirst>(self, isa, call),
+                false => run::<P, F, StoreAll>(self, isa, call),
+            };
+        }
+        if const { matches!(gives(&F::SIGNATURE), Gives::OneRole) } {
+            return match call.advance.is_some() {
+                true => run::<P, F, AdvanceAll>(self, isa, call),
                 false => run::<P, F, StoreAll>(self, isa, call),
             };
         }
@@ -121,11 +147,11 @@ const fn fields<F: RowFamily>() -> u64 {
 
 /// Runs the loop that is made for the fields as they are: those that are uniform are loaded before it.
 fn run<P: Scalar, F: RowFamily, Rule: RateRule>(law: &F, isa: Isa, call: &RowCall<'_, P>) {
-    if fields::<F>() != 0 && call.uniform == fields::<F>() {
-        P::with_lanes(isa, Task::<P, F, Rule, true> { law, call, rule: PhantomData });
-    } else {
-        P::with_lanes(isa, Task::<P, F, Rule, false> { law, call, rule: PhantomData });
+    // Decided before the loops are made: a law without fields gets no second ones.
+    if const { fields::<F>() != 0 } && call.uniform == fields::<F>() {
+        return P::with_lanes(isa, Task::<P, F, Rule, true> { law, call, rule: PhantomData });
     }
+    P::with_lanes(isa, Task::<P, F, Rule, false> { law, call, rule: PhantomData });
 }
 
 /// The work of one call. `UNIFORM`: all fields of the law are.

@@ -9,7 +9,7 @@ use crate::field::Field;
 use crate::integrate::{Integrator, Leapfrog};
 use crate::pipeline::{Chain, Chained, Listed, Machine, Pipeline};
 use crate::property::PropertyInfo;
-use crate::real::{Isa, Scalar};
+use crate::real::{Isa, Scalar, compiled_here};
 use crate::registry::{Backend, Entry, Options, Report, Status};
 use crate::state::State;
 use std::sync::Arc;
@@ -294,7 +294,11 @@ impl<P: Scalar> Builder<P> {
     ///
     /// # Errors
     /// All that is wrong with the data and the settings; if the data are right, all that is wrong with the laws too.
-    pub fn build(mut self) -> Result<Engine<P>, Faults> {
+    pub fn build(self) -> Result<Engine<P>, Faults> {
+        compiled_here!(<P> |builder: Builder<P>| -> Result<Engine<P>, Faults> { builder.checked() })(self)
+    }
+
+    fn checked(mut self) -> Result<Engine<P>, Faults> {
         let mut faults = Vec::new();
         if let Some(step) = self.step.filter(|step| !(*step > 0.0 && step.is_finite())) {
             faults.push(Fault::Step { what: "the step".to_owned(), value: step, allowed: "a finite time above 0" });

@@ -4,7 +4,7 @@ use super::{Clock, Engine};
 use crate::column::{Aligned, Column, Storage};
 use crate::domain::SCENE;
 use crate::error::{Fault, Faults};
-use crate::real::Scalar;
+use crate::real::{Scalar, compiled_here};
 use crate::state::State;
 
 /// Everything that decides how a run goes on, as plain data; whoever saves it chooses the format.
@@ -68,6 +68,10 @@ impl<P: Scalar> Engine<P> {
     /// # Errors
     /// The client is changing memory that it lends.
     pub fn checkpoint(&self) -> Result<Checkpoint, Faults> {
+        compiled_here!(<P> |engine: &Engine<P>| -> Result<Checkpoint, Faults> { engine.saved() })(self)
+    }
+
+    fn saved(&self) -> Result<Checkpoint, Faults> {
         for domain in self.state.domains() {
             domain.columns().iter().try_for_each(|column| column.free(&domain.name, false))?;
         }
@@ -99,6 +103,12 @@ impl<P: Scalar> Engine<P> {
     /// # Errors
     /// It does not fit; the engine is unchanged then.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), Faults> {
+        compiled_here!(<P> |engine: &mut Engine<P>, from: &Checkpoint| -> Result<(), Faults> { engine.go_on(from) })(
+            self, checkpoint,
+        )
+    }
+
+    fn go_on(&mut self, checkpoint: &Checkpoint) -> Result<(), Faults> {
         let misfit = |reason: String| Faults::from(Fault::Checkpoint { reason });
         if checkpoint.precision != P::NAME {
             return Err(misfit(format!("it is in {}, the engine in {}", checkpoint.precision, P::NAME)));

@@ -14,7 +14,7 @@ use crate::column::Storage;
 use crate::error::{Fault, Faults};
 use crate::integrate::{Integrator, System};
 use crate::pipeline::{FusedChain, Key, Listed, Machine, Pipeline, Probe, Runner, borrowed, lent_columns};
-use crate::real::Scalar;
+use crate::real::{Scalar, compiled_here};
 use crate::registry::{Backend, Report, Status};
 use crate::state::State;
 use std::sync::Arc;
@@ -152,6 +152,12 @@ impl<P: Scalar> Engine<P> {
     }
 
     fn run(&mut self, count: u64, step: f64) -> Result<(), Faults> {
+        compiled_here!(<P> |engine: &mut Engine<P>, count: u64, step: f64| -> Result<(), Faults> {
+            engine.prepare_and_take(count, step)
+        })(self, count, step)
+    }
+
+    fn prepare_and_take(&mut self, count: u64, step: f64) -> Result<(), Faults> {
         self.prepare()?;
         if self.kept.is_none() {
             return self.take(count, step);
@@ -309,8 +315,9 @@ impl<P: Scalar> Engine<P> {
     /// # Errors
     /// Laws no longer fit the state, or the client borrows lent memory.
     pub fn refresh(&mut self) -> Result<&Report, Faults> {
-        self.prepare()?;
-        self.observe()?;
+        compiled_here!(<P> |engine: &mut Engine<P>| -> Result<(), Faults> {
+            engine.prepare().and_then(|()| engine.observe())
+        })(self)?;
         Ok(self.report())
     }
 
@@ -336,6 +343,12 @@ impl<P: Scalar> Engine<P> {
     /// # Errors
     /// Laws no longer fit the state, or the client borrows lent memory.
     pub fn energy(&mut self) -> Result<(f64, Vec<String>), Faults> {
+        compiled_here!(<P> |engine: &mut Engine<P>| -> Result<(f64, Vec<String>), Faults> {
+            engine.sum_of_energies()
+        })(self)
+    }
+
+    fn sum_of_energies(&mut self) -> Result<(f64, Vec<String>), Faults> {
         self.prepare()?;
         let silent = self
             .report()
@@ -379,12 +392,14 @@ impl<P: Scalar> Engine<P> {
 
     /// What the graph looks like, for people.
     pub fn explain(&self) -> String {
-        self.pipeline.explain(&self.state, &*self.integrator)
+        compiled_here!(<P> |engine: &Engine<P>| -> String {
+            engine.pipeline.explain(&engine.state, &*engine.integrator)
+        })(self)
     }
 
     /// The graph in the language of Graphviz.
     pub fn to_dot(&self) -> String {
-        self.pipeline.to_dot(&self.state)
+        compiled_here!(<P> |engine: &Engine<P>| -> String { engine.pipeline.to_dot(&engine.state) })(self)
     }
 }
 

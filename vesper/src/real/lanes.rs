@@ -1,7 +1,6 @@
-//! Several rows side by side: the lane trait, plain arrays that every processor can run, and the choice at run time.
+//! Several rows side by side: the lane trait, and the choice of an instruction set at run time.
 
-use super::{Mask, Real, Vec3};
-use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, Neg, Not, Sub, SubAssign};
+use super::Real;
 
 /// The most lanes that there are.
 pub(crate) const MAX_WIDTH: usize = 16;
@@ -42,9 +41,10 @@ pub trait WithLanes<P> {
 pub enum Isa {
     /// One row at a time: the reference that the others are compared with.
     Scalar,
-    /// Arrays of numbers, vectorised as far as the compiler goes.
-    Portable,
-    /// x86-64 with AVX2: 256-bit registers, in pairs.
+    /// The registers that every processor of the architecture has: SSE2 on x86-64, 128 bits; elsewhere as many numbers
+    /// side by side, for the compiler to put in registers.
+    Baseline,
+    /// x86-64 with AVX2: 256-bit registers.
     #[cfg(target_arch = "x86_64")]
     #[non_exhaustive]
     Avx2,
@@ -63,7 +63,7 @@ impl Isa {
     /// All that this processor has, narrowest first.
     pub fn available() -> Vec<Isa> {
         #[allow(unused_mut, reason = "only one architecture adds to it")]
-        let mut sets = vec![Isa::Scalar, Isa::Portable];
+        let mut sets = vec![Isa::Scalar, Isa::Baseline];
         #[cfg(target_arch = "x86_64")]
         {
             if is_x86_feature_detected!("avx2") {
@@ -77,170 +77,89 @@ impl Isa {
     }
 }
 
-/// `N` numbers in an array.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C, align(64))]
-pub struct Array<P, const N: usize>([P; N]);
+#[cfg(test)]
+mod tests {
+    use super::super::{Scalar, portable};
+    use super::*;
+    use core::marker::PhantomData;
 
-/// `N` truth values.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ArrayMask<const N: usize>([bool; N]);
-
-impl<const N: usize> Mask for ArrayMask<N> {}
-
-impl<P: Copy, const N: usize> Array<P, N> {
-    #[inline(always)]
-    fn map(mut self, f: impl Fn(P) -> P) -> Self {
-        for lane in &mut self.0 {
-            *lane = f(*lane);
-        }
-        self
+    /// Numbers where operations have their corners.
+    fn corners<P: Scalar>() -> Vec<P> {
+        let infinity = f64::INFINITY;
+        [0.0, -0.0, 1.0, -1.0, 0.3, -2.7, 1e-30, 1e30, 700.25, infinity, -infinity, f64::NAN].map(P::from_f64).to_vec()
     }
-    #[inline(always)]
-    fn zip(mut self, other: Self, f: impl Fn(P, P) -> P) -> Self {
-        for (lane, other) in self.0.iter_mut().zip(other.0) {
-            *lane = f(*lane, other);
-        }
-        self
-    }
-    #[inline(always)]
-    fn compare(self, other: Self, f: impl Fn(P, P) -> bool) -> ArrayMask<N> {
-        ArrayMask(core::array::from_fn(|i| f(self.0[i], other.0[i])))
-    }
-}
 
-macro_rules! array_operators {
-    ($($operator:ident $method:ident,)*) => {$(
-        impl<P: Copy + $operator<Output = P>, const N: usize> $operator for Array<P, N> {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                self.zip(other, P::$method)
+    /// The results of every operation on two numbers.
+    fn results<R: Real>(a: R, b: R) -> [R; 18] {
+        let (one, zero) = (R::lit(1.0), R::lit(0.0));
+        let truth = |mask| R::select(mask, one, zero);
+        let (mut more, mut less) = (a, a);
+        more += b;
+        less -= b;
+        [
+            more,
+            less,
+            a * b,
+            a / b,
+            -a,
+            a.abs(),
+            a.sqrt(),
+            a.rsqrt(),
+            a.min(b),
+            a.max(b),
+            a.sin() + a.cos(),
+            a.exp() - a.ln(),
+            a.powf(b),
+            truth(a.less(b)),
+            truth(a.less_or_equal(b)),
+            truth(a.equal(b)),
+            truth(a.less(b) | !a.equal(b)),
+            R::select(a.less(b) & b.less(one), a, b),
+        ]
+    }
+
+    /// Compares lanes with the scalar, for all pairs of corners.
+    struct Compare<P>(String, PhantomData<P>);
+
+    impl<P: Scalar> WithLanes<P> for Compare<P> {
+        type Output = ();
+        #[inline(always)]
+        fn with<R: Lanes<P>>(self) {
+            let corners = corners::<P>();
+            let all = corners.len();
+            for first in 0..all {
+                for second in 0..all {
+                    // Another pair in each lane.
+                    let pair = |lane: usize| (corners[(first + lane) % all], corners[(second + 5 * lane) % all]);
+                    let a = R::from_lanes(|lane| pair(lane).0);
+                    let b = R::from_lanes(|lane| pair(lane).1);
+                    let found = results(a, b);
+                    for lane in 0..R::WIDTH {
+                        let (a, b) = pair(lane);
+                        for (number, (found, expected)) in found.iter().zip(results(a, b)).enumerate() {
+                            let found = found.lane(lane);
+                            // A NaN has no sign that anybody could rely on.
+                            let same = found.bits() == expected.bits()
+                                || [found, expected].iter().all(|n| n.to_f64().is_nan());
+                            assert!(same, "{} {}: result {number} of {a}, {b}: {found}, {expected}", P::NAME, self.0);
+                        }
+                    }
+                }
             }
         }
-    )*};
-}
-array_operators! { Add add, Sub sub, Mul mul, Div div, }
+    }
 
-impl<P: Copy + Neg<Output = P>, const N: usize> Neg for Array<P, N> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        self.map(P::neg)
+    fn every_set<P: Scalar>() {
+        for isa in Isa::available() {
+            P::with_lanes(isa, Compare(format!("{isa:?}"), PhantomData));
+        }
     }
-}
-impl<P: Copy + Add<Output = P>, const N: usize> AddAssign for Array<P, N> {
-    #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-impl<P: Copy + Sub<Output = P>, const N: usize> SubAssign for Array<P, N> {
-    #[inline(always)]
-    fn sub_assign(&mut self, other: Self) {
-        *self = *self - other;
-    }
-}
-impl<const N: usize> BitAnd for ArrayMask<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        ArrayMask(core::array::from_fn(|i| self.0[i] & other.0[i]))
-    }
-}
-impl<const N: usize> BitOr for ArrayMask<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        ArrayMask(core::array::from_fn(|i| self.0[i] | other.0[i]))
-    }
-}
-impl<const N: usize> Not for ArrayMask<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        ArrayMask(self.0.map(|lane| !lane))
-    }
-}
 
-impl<P: Real<Mask = bool>, const N: usize> Real for Array<P, N> {
-    type Vec3 = Vec3<Self>;
-    type Mask = ArrayMask<N>;
-    #[inline(always)]
-    fn lit(value: f64) -> Self {
-        Array([P::lit(value); N])
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.map(P::sqrt)
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        self.map(P::abs)
-    }
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        self.zip(other, P::min)
-    }
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        self.zip(other, P::max)
-    }
-    fn sin(self) -> Self {
-        self.map(P::sin)
-    }
-    fn cos(self) -> Self {
-        self.map(P::cos)
-    }
-    fn exp(self) -> Self {
-        self.map(P::exp)
-    }
-    fn ln(self) -> Self {
-        self.map(P::ln)
-    }
-    fn powf(self, exponent: Self) -> Self {
-        self.zip(exponent, P::powf)
-    }
-    #[inline(always)]
-    fn less(self, other: Self) -> Self::Mask {
-        self.compare(other, P::less)
-    }
-    #[inline(always)]
-    fn less_or_equal(self, other: Self) -> Self::Mask {
-        self.compare(other, P::less_or_equal)
-    }
-    #[inline(always)]
-    fn equal(self, other: Self) -> Self::Mask {
-        self.compare(other, P::equal)
-    }
-    #[inline(always)]
-    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-        Array(core::array::from_fn(|i| if mask.0[i] { yes.0[i] } else { no.0[i] }))
-    }
-}
-
-impl<P: Real<Mask = bool>, const N: usize> Lanes<P> for Array<P, N> {
-    const WIDTH: usize = N;
-    #[inline(always)]
-    unsafe fn load(from: *const P) -> Self {
-        // SAFETY: the caller promises N readable numbers; an unaligned read needs no more.
-        Array(unsafe { from.cast::<[P; N]>().read_unaligned() })
-    }
-    #[inline(always)]
-    unsafe fn store(self, to: *mut P) {
-        // SAFETY: the caller promises N writable numbers; an unaligned write needs no more.
-        unsafe { to.cast::<[P; N]>().write_unaligned(self.0) }
-    }
-    #[inline(always)]
-    fn splat(value: P) -> Self {
-        Array([value; N])
-    }
-    #[inline(always)]
-    fn from_lanes(lane: impl FnMut(usize) -> P) -> Self {
-        Array(core::array::from_fn(lane))
-    }
-    #[inline(always)]
-    fn lane(self, index: usize) -> P {
-        self.0[index]
+    #[test]
+    fn every_operation_in_lanes_is_the_scalar_one() {
+        every_set::<f32>();
+        every_set::<f64>();
+        Compare("portable".to_owned(), PhantomData::<f32>).with::<portable::BaselineF32>();
+        Compare("portable".to_owned(), PhantomData::<f64>).with::<portable::BaselineF64>();
     }
 }

@@ -8,10 +8,18 @@
 //! holds several. Every operation rounds like the scalar one, so the width of the lanes never changes a result.
 
 mod lanes;
+#[cfg(any(test, not(target_arch = "x86_64")))]
+mod portable;
+mod registers;
 mod scalar;
 mod vector;
 #[cfg(target_arch = "x86_64")]
 mod x86;
+
+#[cfg(not(target_arch = "x86_64"))]
+use portable as baseline;
+#[cfg(target_arch = "x86_64")]
+use x86 as baseline;
 
 pub(crate) use lanes::MAX_WIDTH;
 #[cfg(target_arch = "x86_64")]
@@ -21,6 +29,7 @@ pub(crate) use x86::prefetch;
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) fn prefetch<P>(_from: *const P) {}
 pub use lanes::{Isa, Lanes, WithLanes};
+pub(crate) use scalar::compiled_here;
 pub use scalar::{InPrecision, Scalar};
 pub use vector::Vec3;
 

@@ -5,7 +5,8 @@ use crate::column::{Column, Storage, Values, renumbering};
 use crate::domain::{AsProperty, Domain, Given, GivenValues, SCENE};
 use crate::error::{Fault, Faults};
 use crate::field::Field;
-use crate::real::Scalar;
+use crate::property::PropertyInfo;
+use crate::real::{Scalar, compiled_here};
 use std::sync::Arc;
 
 impl<P: Scalar> State<P> {
@@ -15,7 +16,13 @@ impl<P: Scalar> State<P> {
     ///
     /// # Errors
     /// The domain does not exist, a column is missing, unknown, or does not fit; nothing is changed then.
-    pub fn add_rows(&mut self, mut rows: Domain<P>) -> Result<(), Faults> {
+    pub fn add_rows(&mut self, rows: Domain<P>) -> Result<(), Faults> {
+        compiled_here!(<P> |state: &mut State<P>, rows: Domain<P>| -> Result<(), Faults> { state.grow(rows) })(
+            self, rows,
+        )
+    }
+
+    fn grow(&mut self, mut rows: Domain<P>) -> Result<(), Faults> {
         let place = self.domain_index(&rows.name).ok_or_else(|| self.no_domain(&rows.name))?;
         if place == 0 {
             return Err(Fault::SceneRow { mend: "change a constant by `set_constant`".to_owned() }.into());
@@ -84,6 +91,12 @@ impl<P: Scalar> State<P> {
     /// # Errors
     /// The domain or a row does not exist, or a column is memory that cannot shrink; nothing is changed then.
     pub fn remove_rows(&mut self, domain: &str, rows: &[usize]) -> Result<(), Fault> {
+        compiled_here!(<P> |state: &mut State<P>, domain: &str, rows: &[usize]| -> Result<(), Fault> {
+            state.shrink(domain, rows)
+        })(self, domain, rows)
+    }
+
+    fn shrink(&mut self, domain: &str, rows: &[usize]) -> Result<(), Fault> {
         let place = self.domain_index(domain).ok_or_else(|| self.no_domain(domain))?;
         if place == 0 {
             return Err(Fault::SceneRow { mend: "take a constant away by `remove_column`".to_owned() });
@@ -155,6 +168,12 @@ impl<P: Scalar> State<P> {
     /// # Errors
     /// A column exists already, or does not fit; nothing is changed then.
     pub fn add_columns(&mut self, columns: Domain<P>) -> Result<(), Faults> {
+        compiled_here!(<P> |state: &mut State<P>, columns: Domain<P>| -> Result<(), Faults> { state.widen(columns) })(
+            self, columns,
+        )
+    }
+
+    fn widen(&mut self, columns: Domain<P>) -> Result<(), Faults> {
         let name = columns.name.clone();
         let others: Vec<Domain<P>> = self
             .domains
@@ -248,13 +267,14 @@ impl<P: Scalar> State<P> {
     /// # Errors
     /// The value does not fit the property.
     pub fn set_constant(&mut self, property: impl AsProperty, value: impl Into<Values>) -> Result<(), Faults> {
-        let info = property.info();
-        let column = Given {
-            info,
-            unit: None,
-            subset: None,
-            values: GivenValues::Numbers(value.into().as_one(info.kind.width())),
-        };
+        compiled_here!(<P> |state: &mut State<P>, info: PropertyInfo, value: Values| -> Result<(), Faults> {
+            state.replace_constant(info, value)
+        })(self, property.info(), value.into())
+    }
+
+    fn replace_constant(&mut self, info: PropertyInfo, value: Values) -> Result<(), Faults> {
+        let values = GivenValues::Numbers(value.as_one(info.kind.width()));
+        let column = Given { info, unit: None, subset: None, values };
         let time = crate::property::Time.info();
         if info.name == time.name && info != time {
             return Err(Fault::SceneRow { mend: "its time is in s; name another property otherwise".to_owned() }.into());

@@ -11,7 +11,7 @@ use crate::domain::AsProperty;
 use crate::error::{Fault, nearest};
 use crate::field::Field;
 use crate::property::{Numeric, Property, PropertyInfo, Time, ValueOf};
-use crate::real::Scalar;
+use crate::real::{Scalar, compiled_here};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -136,10 +136,23 @@ impl<P: Scalar> State<P> {
     /// # Errors
     /// There is no such domain or property, nobody observes it, or it is lent memory that the client is changing.
     pub fn column(&self, domain: &str, property: &str) -> Result<&Column<P>, Fault> {
-        let domain = self.domain(domain)?;
+        let (domain, column) = self.look_up(domain, property, false)?;
+        Ok(&self.domains[domain].columns[column])
+    }
+
+    /// Domain and number of a column that clients may look at, or change.
+    fn look_up(&self, domain: &str, property: &str, change: bool) -> Result<(usize, usize), Fault> {
+        compiled_here!(<P> |state: &State<P>, domain: &str, property: &str, change: bool| -> Result<(usize, usize), Fault> {
+            state.find(domain, property, change)
+        })(self, domain, property, change)
+    }
+
+    fn find(&self, domain: &str, property: &str, change: bool) -> Result<(usize, usize), Fault> {
+        let place = self.domain_index(domain).ok_or_else(|| self.no_domain(domain))?;
+        let domain = &self.domains[place];
         let index = domain.shown(property).ok_or_else(|| Self::no_property(domain, property))?;
-        domain.columns[index].free(&domain.name, false)?;
-        Ok(&domain.columns[index])
+        domain.columns[index].free(&domain.name, change)?;
+        Ok((place, index))
     }
 
     /// A column to change in place, by name.
@@ -147,11 +160,8 @@ impl<P: Scalar> State<P> {
     /// # Errors
     /// There is no such domain or property, or it is lent memory that the client looks at or changes.
     pub fn column_mut(&mut self, domain: &str, property: &str) -> Result<ColumnMut<'_, P>, Fault> {
-        let place = self.domain_index(domain).ok_or_else(|| self.no_domain(domain))?;
-        let domain = &mut self.domains[place];
-        let index = domain.shown(property).ok_or_else(|| Self::no_property(domain, property))?;
-        domain.columns[index].free(&domain.name, true)?;
-        Ok(ColumnMut(&mut domain.columns[index]))
+        let (domain, column) = self.look_up(domain, property, true)?;
+        Ok(ColumnMut(&mut self.domains[domain].columns[column]))
     }
 
     /// The column, if it is of the kind that the caller takes it for.

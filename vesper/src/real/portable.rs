@@ -1,0 +1,22 @@
+//! Lanes without any register named: numbers side by side, as many as fill 128 bits. On aarch64 the compiler finds the
+//! registers for them; on x86-64 it does not, and they have registers of their own there.
+
+#![allow(unused_unsafe, reason = "numbers are always there")]
+
+use super::registers::lanes;
+use super::{Lanes, Mask, Real, Vec3};
+use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, Neg, Not, Sub, SubAssign};
+use core::ptr::{read_unaligned, write_unaligned};
+
+lanes!(
+    BaselineF32, BaselineF32Mask, f32, f32, bool, 4 [0 1 2 3], 1,
+    f32::from, read_unaligned, write_unaligned, f32::add, f32::sub, f32::mul, f32::div, f32::sqrt, Real::min, Real::max,
+    |a, b, m| neg -a, abs a.abs(), less a < b, less_or_equal a <= b, equal a == b, select if m { a } else { b },
+    and a & b, or a | b, not !a
+);
+lanes!(
+    BaselineF64, BaselineF64Mask, f64, f64, bool, 2 [0 1], 1,
+    f64::from, read_unaligned, write_unaligned, f64::add, f64::sub, f64::mul, f64::div, f64::sqrt, Real::min, Real::max,
+    |a, b, m| neg -a, abs a.abs(), less a < b, less_or_equal a <= b, equal a == b, select if m { a } else { b },
+    and a & b, or a | b, not !a
+);
