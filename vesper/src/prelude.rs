@@ -2,7 +2,7 @@
 
 pub use crate::column::{Column, Lent, Values};
 pub use crate::domain::{AsProperty, Domain};
-pub use crate::engine::{Builder, Checkpoint, Engine, Listing, Place};
+pub use crate::engine::{Builder, Checkpoint, Configure, Engine, Listing};
 pub use crate::error::{Fault, Faults};
 pub use crate::field::{Boxes, Dipole, Field, FieldBox, Point, Uniform};
 pub use crate::integrate::{Integrator, Leapfrog, Part, Register, RungeKutta4, SemiImplicitEuler, Structure, System};

@@ -2,7 +2,7 @@
 //!
 //! With threads the shares are stored first, and every row gathers its own in that same order: the same bits.
 
-use super::pointers::MAX_SLOTS;
+use super::pointers::{MAX_SLOTS, first_output, slot_count, slots_at};
 use super::within::Within;
 use super::{Compiled, Kernel};
 use crate::law::{Declared, LinkFamily, LinkLaw, Place, Signature, Sink, Source};
@@ -48,7 +48,7 @@ pub(crate) trait LinkKernel<P>: Send + Sync {
 /// Makes the loop of a link law.
 pub fn link<P: Scalar, F: LinkFamily<N>, const N: usize>(law: &F) -> Compiled<P> {
     const {
-        assert!(count(&F::SIGNATURE, false) <= MAX_SLOTS, "a law touches at most 64 numbers");
+        assert!(slot_count(F::SIGNATURE.ports) <= MAX_SLOTS, "a law touches at most 64 numbers");
         let arity = match F::SIGNATURE.link {
             Some(link) => link.kind.width(),
             None => N,
@@ -66,32 +66,9 @@ pub fn link<P: Scalar, F: LinkFamily<N>, const N: usize>(law: &F) -> Compiled<P>
 /// Ties a law to its arity, which its type alone does not.
 struct OfArity<F, const N: usize>(F);
 
-/// All slots, or those before the outputs.
-const fn count(signature: &Signature, inputs_only: bool) -> usize {
-    let (mut port, mut slots) = (0, 0);
-    while port < signature.ports.len() {
-        if !inputs_only || signature.ports[port].mode.is_input() {
-            slots += signature.ports[port].property.kind.width();
-        }
-        port += 1;
-    }
-    slots
-}
-
-/// The slots that belong to ends, one bit each.
-const fn end_slots(signature: &Signature) -> u64 {
-    let (mut port, mut slot, mut mask) = (0, 0, 0_u64);
-    while port < signature.ports.len() {
-        let next = slot + signature.ports[port].property.kind.width();
-        while slot < next {
-            if matches!(signature.ports[port].place, Place::End) && slot < 64 {
-                mask |= 1 << slot;
-            }
-            slot += 1;
-        }
-        port += 1;
-    }
-    mask
+/// Numbers that the law gives to each end.
+const fn outputs(signature: &Signature) -> usize {
+    slot_count(signature.ports) - first_output(signature.ports)
 }
 
 impl<P: Scalar, F: LinkFamily<N>, const N: usize> LinkKernel<P> for OfArity<F, N> {
@@ -99,17 +76,19 @@ impl<P: Scalar, F: LinkFamily<N>, const N: usize> LinkKernel<P> for OfArity<F, N
         N
     }
     fn outputs(&self) -> usize {
-        count(&F::SIGNATURE, false) - count(&F::SIGNATURE, true)
+        outputs(&F::SIGNATURE)
     }
     unsafe fn run(&self, isa: Isa, call: &LinkCall<'_, P>) {
-        P::with_lanes(isa, Task::<P, F, N> { law: &self.0, call });
+        // SAFETY: the caller promises the same.
+        P::with_lanes(isa, unsafe { Task::<P, F, N>::new(&self.0, call) });
     }
     unsafe fn energy(&self, call: &LinkCall<'_, P>) -> Option<f64> {
         if !F::ENERGY {
             return None;
         }
         let law = self.0.kernel::<P>();
-        let task = Task::<P, F, N> { law: &self.0, call };
+        // SAFETY: the caller promises the same.
+        let task = unsafe { Task::<P, F, N>::new(&self.0, call) };
         let energy = (call.from..call.to).map(|link| {
             let (row, ends) = task.load::<P>(link);
             law.energy(row, ends).to_f64()
@@ -146,7 +125,7 @@ impl<P: Scalar, R: Lanes<P>, const N: usize> Source<R> for Gathered<'_, P, N> {
         R::from_lanes(|lane| {
             let link = self.link + lane;
             let row = if self.ends >> slot & 1 == 1 { self.call.ends[link * N + self.end] as usize } else { link };
-            // SAFETY: `LinkKernel::run` was promised that the slot reaches all rows.
+            // SAFETY: `Task::new` was promised that the slot reaches all rows.
             unsafe { *start.add(row * stride) }
         })
     }
@@ -186,15 +165,21 @@ type RowOf<F, R, const N: usize> = <<F as LinkFamily<N>>::Kernel<R> as Declared<
 type EndOf<F, R, const N: usize> = <<F as LinkFamily<N>>::Kernel<R> as Declared<R>>::End;
 
 impl<P: Scalar, F: LinkFamily<N>, const N: usize> Task<'_, P, F, N> {
-    const FIRST: usize = count(&F::SIGNATURE, true);
-    const OUTPUTS: usize = count(&F::SIGNATURE, false) - Self::FIRST;
+    const FIRST: usize = first_output(F::SIGNATURE.ports);
+    const OUTPUTS: usize = outputs(&F::SIGNATURE);
+
+    /// # Safety
+    /// As for [`LinkKernel::run`], as long as it lives. Links that its functions are given are links of the call.
+    unsafe fn new<'a>(law: &'a F, call: &'a LinkCall<'a, P>) -> Task<'a, P, F, N> {
+        Task { law, call }
+    }
 
     #[inline(always)]
     fn load<R: Lanes<P>>(&self, link: usize) -> (RowOf<F, R, N>, [EndOf<F, R, N>; N]) {
         let at = |end| {
             Within::<_, F>::new(Gathered::<P, N> {
                 call: self.call,
-                ends: const { end_slots(&F::SIGNATURE) },
+                ends: const { slots_at(F::SIGNATURE.ports, Place::End) },
                 link,
                 end,
             })
@@ -223,7 +208,7 @@ impl<P: Scalar, F: LinkFamily<N>, const N: usize> Task<'_, P, F, N> {
 
     #[inline(always)]
     fn give(&self, link: usize, end: usize, output: usize, share: P) {
-        // SAFETY: `LinkKernel::run` was promised both places.
+        // SAFETY: `Task::new` was promised both places.
         unsafe {
             if self.call.shares.is_null() {
                 let Strided { start, stride } = self.call.slots[Self::FIRST + output];
@@ -239,7 +224,7 @@ impl<P: Scalar, F: LinkFamily<N>, const N: usize> WithLanes<P> for Task<'_, P, F
     type Output = ();
     #[inline(always)]
     fn with<R: Lanes<P>>(self) {
-        const { assert!(count(&F::SIGNATURE, false) - count(&F::SIGNATURE, true) <= MAX_OUTPUTS, "too many outputs") };
+        const { assert!(outputs(&F::SIGNATURE) <= MAX_OUTPUTS, "too many outputs") };
         let mut link = self.call.from;
         if R::WIDTH > 1 && link + R::WIDTH <= self.call.to {
             let law = self.law.kernel::<R>();

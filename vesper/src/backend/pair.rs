@@ -3,7 +3,9 @@
 //! Every i has one owner and takes its j in the order of the rows, so the bits do not depend on the width of the lanes
 //! or on the number of threads.
 
-use super::pointers::{MAX_SLOTS, Rows, RowsMut, SUMS, Slots, Splat, StoreAll, Sums, slot_count, slots_at};
+use super::pointers::{
+    MAX_SLOTS, Rows, RowsMut, SUMS, Slots, Splat, StoreAll, Sums, first_output, slot_count, slots_at,
+};
 use super::within::Within;
 use super::{Compiled, Kernel};
 use crate::law::{Declared, PairFamily, PairLaw, Place, Signature};
@@ -45,25 +47,16 @@ pub fn pair<P: Scalar, F: PairFamily>(law: &F) -> Compiled<P> {
     }
 }
 
-/// The first slot that the law adds to: outputs follow the inputs.
-const fn first_output(signature: &Signature) -> usize {
-    let (mut port, mut slot) = (0, 0);
-    while port < signature.ports.len() && signature.ports[port].mode.is_input() {
-        slot += signature.ports[port].property.kind.width();
-        port += 1;
-    }
-    slot
-}
-
 const fn added(signature: &Signature) -> usize {
     let slots = slot_count(signature.ports);
     assert!(slots <= MAX_SLOTS, "a law touches at most 64 numbers");
-    slots - first_output(signature)
+    slots - first_output(signature.ports)
 }
 
 impl<P: Scalar, F: PairFamily> PairKernel<P> for F {
     unsafe fn run(&self, isa: Isa, call: &PairCall<'_, P>) {
-        P::with_lanes(isa, Task { law: self, call });
+        // SAFETY: the caller promises the same.
+        P::with_lanes(isa, unsafe { Task::new(self, call) });
     }
 
     unsafe fn energy(&self, call: &PairCall<'_, P>) -> Option<f64> {
@@ -95,10 +88,16 @@ struct Task<'a, P, F> {
 }
 
 impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
-    const FIRST: usize = first_output(&F::SIGNATURE);
+    const FIRST: usize = first_output(F::SIGNATURE.ports);
     const ADDED: usize = added(&F::SIGNATURE);
     const COUNT: usize = slot_count(F::SIGNATURE.ports);
     const CONSTANTS: u64 = slots_at(F::SIGNATURE.ports, Place::Scene);
+
+    /// # Safety
+    /// As for [`PairKernel::run`], as long as it lives. Rows that its functions are given are rows of the call.
+    unsafe fn new<'a>(law: &'a F, call: &'a PairCall<'a, P>) -> Task<'a, P, F> {
+        Task { law, call }
+    }
 
     /// # Safety
     /// As for [`PairKernel::run`].
@@ -111,7 +110,7 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
     /// What all other rows do to the rows of one set of lanes.
     #[inline(always)]
     fn sum<R: Lanes<P>>(law: &F::Kernel<R>, slots: &Slots<P>, i: usize, rows: usize) {
-        // SAFETY: `PairKernel::run` was promised the rows; the same for all blocks here.
+        // SAFETY: `Task::new` was promised the rows; the same for all blocks here.
         let source = Within::<_, F>::new(unsafe { Rows::<P>::new(slots, i) });
         let row_i = <F::Kernel<R> as Declared<R>>::load(&source);
         let mut sums = Sums::zero(Self::FIRST);
@@ -175,7 +174,7 @@ impl<P: Scalar, F: PairFamily> WithLanes<P> for Task<'_, P, F> {
     type Output = ();
     #[inline(always)]
     fn with<R: Lanes<P>>(self) {
-        // SAFETY: `PairKernel::run` was promised the slots.
+        // SAFETY: `Task::new` was promised the slots.
         let slots = unsafe { Self::slots(self.call) };
         let mut i = self.call.from;
         if R::WIDTH > 1 && i + R::WIDTH <= self.call.to {
@@ -197,7 +196,7 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
     /// The same for one row that no lanes are left for; the body is not called for the row itself.
     #[inline(always)]
     fn sum_one(law: &F::Kernel<P>, slots: &Slots<P>, i: usize, rows: usize) {
-        // SAFETY: `PairKernel::run` was promised the rows; the same for all blocks here.
+        // SAFETY: `Task::new` was promised the rows; the same for all blocks here.
         let source = Within::<_, F>::new(unsafe { Rows::<P>::new(slots, i) });
         let row_i = <F::Kernel<P> as Declared<P>>::load(&source);
         let mut sums = Sums::zero(Self::FIRST);

@@ -73,6 +73,16 @@ pub(crate) const fn slot_count(ports: &[Port]) -> usize {
     slots
 }
 
+/// The first slot that the law gives something for: outputs follow the inputs.
+pub(crate) const fn first_output(ports: &[Port]) -> usize {
+    let (mut port, mut slot) = (0, 0);
+    while port < ports.len() && ports[port].mode.is_input() {
+        slot += ports[port].property.kind.width();
+        port += 1;
+    }
+    slot
+}
+
 /// The slots of ports at `place`, one bit each.
 pub(crate) const fn slots_at(ports: &[Port], place: Place) -> u64 {
     let (mut port, mut slot, mut mask) = (0, 0, 0_u64);

@@ -35,14 +35,14 @@ impl<L: Compile> Listing for L {
     }
 }
 
-/// A law with options; made by the methods of [`Place`].
+/// A law with options; made by the methods of [`Configure`].
 #[derive(Clone, Debug)]
-pub struct Placed<L> {
+pub struct Configured<L> {
     law: L,
     options: Options,
 }
 
-impl<L: Compile> Listing for Placed<L> {
+impl<L: Compile> Listing for Configured<L> {
     fn compiled<P: Scalar>(&self) -> Compiled<P> {
         self.law.compile()
     }
@@ -51,7 +51,7 @@ impl<L: Compile> Listing for Placed<L> {
     }
 }
 
-impl<L> Placed<L> {
+impl<L> Configured<L> {
     fn with(mut self, change: impl FnOnce(&mut Options)) -> Self {
         change(&mut self.options);
         self
@@ -95,38 +95,38 @@ impl<L> Placed<L> {
 }
 
 /// Options of a law, written behind it: `Gravity::default().on("stars").every(4)`.
-pub trait Place: Compile + Sized {
+pub trait Configure: Compile + Sized {
     /// The law with options, none set.
-    fn placed(self) -> Placed<Self> {
-        Placed { law: self, options: Options::default() }
+    fn configured(self) -> Configured<Self> {
+        Configured { law: self, options: Options::default() }
     }
     /// Stands on this domain; else on the declared one, else on the only one that has what the law needs.
-    fn on(self, domain: &str) -> Placed<Self> {
-        self.placed().on(domain)
+    fn on(self, domain: &str) -> Configured<Self> {
+        self.configured().on(domain)
     }
     /// Has this name of its own, where one law is listed twice on one domain.
-    fn label(self, label: &str) -> Placed<Self> {
-        self.placed().label(label)
+    fn label(self, label: &str) -> Configured<Self> {
+        self.configured().label(label)
     }
     /// Is evaluated on every n-th step; its last shares are held between.
-    fn every(self, steps: u32) -> Placed<Self> {
-        self.placed().every(steps)
+    fn every(self, steps: u32) -> Configured<Self> {
+        self.configured().every(steps)
     }
     /// Runs there; else where its size says.
-    fn backend(self, backend: Backend) -> Placed<Self> {
-        self.placed().backend(backend)
+    fn backend(self, backend: Backend) -> Configured<Self> {
+        self.configured().backend(backend)
     }
     /// Is switched off at first.
-    fn off(self) -> Placed<Self> {
-        self.placed().off()
+    fn off(self) -> Configured<Self> {
+        self.configured().off()
     }
     /// Must run: dormancy is a fault.
-    fn required(self) -> Placed<Self> {
-        self.placed().required()
+    fn required(self) -> Configured<Self> {
+        self.configured().required()
     }
 }
 
-impl<L: Compile> Place for L {}
+impl<L: Compile> Configure for L {}
 
 /// An engine that is being put together. Nothing is checked before [`Builder::build`], which finds all faults at once.
 pub struct Builder<P: Scalar> {

@@ -7,7 +7,7 @@ mod blow_up;
 mod build;
 mod checkpoint;
 
-pub use build::{Builder, Listing, Place, Placed};
+pub use build::{Builder, Configure, Configured, Listing};
 pub use checkpoint::{Checkpoint, ColumnData, DomainData};
 
 use crate::column::Storage;

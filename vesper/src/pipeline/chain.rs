@@ -16,7 +16,7 @@ use crate::backend::{Compile, Compiled, row_of};
 use crate::law::{Law, Mode, Part, Shape, Sink, Source, Stepped};
 use crate::real::{Isa, Lanes, MAX_WIDTH, Real, Scalar, WithLanes};
 use crate::registry::Tie;
-use layout::{REGISTERS, Register};
+use layout::{Content, REGISTERS};
 
 /// Laws composed at compile time; made by [`pipeline!`](crate::pipeline!).
 #[derive(Clone, Debug)]
@@ -233,7 +233,7 @@ impl<P: Scalar> FusedChain<P> {
                             let register = self.layout.registers[law][slot] as usize;
                             let operand = op.operands[slot];
                             slot += 1;
-                            let computed = matches!(self.layout.kinds[register], Register::Sum | Register::Set);
+                            let computed = matches!(self.layout.kinds[register], Content::Sum | Content::Set);
                             if computed {
                                 let Tie::Quantity(id) = tie else { return None };
                                 if !binder.plan.is_transient(*id, binder.pipeline) {
@@ -258,7 +258,7 @@ impl<P: Scalar> FusedChain<P> {
         }
         // A value that no stage wants has no place to be loaded from.
         let missing = |(register, (operand, _)): (usize, &(Operand, bool))| {
-            *operand == Operand::Absent && matches!(self.layout.kinds[register], Register::Given | Register::Constant)
+            *operand == Operand::Absent && matches!(self.layout.kinds[register], Content::Given | Content::Constant)
         };
         (!operands.iter().enumerate().any(missing)).then_some(operands)
     }
@@ -367,11 +367,11 @@ impl<P: Scalar, R: Lanes<P>> Work<P, R> {
             let kind = layout.kinds[register];
             work.pointers[register] = match kind {
                 _ if !slots[register].is_null() => slots[register],
-                Register::Sum => nothing,
+                Content::Sum => nothing,
                 _ => zeros,
             };
-            let is_number = matches!(kind, Register::Constant | Register::OptionalConstant);
-            if is_number || PLAIN && kind == Register::Field {
+            let is_number = matches!(kind, Content::Constant | Content::OptionalConstant);
+            if is_number || PLAIN && kind == Content::Field {
                 // SAFETY: it points to a number, as the caller promises, or to zeros.
                 work.numbers[register] = R::splat(unsafe { *work.pointers[register] });
             }
@@ -387,15 +387,15 @@ impl<P: Scalar, T: Chained, const DRIFT: bool, const PLAIN: bool> Loop<'_, P, T,
         // SAFETY: `FusedChain::run` was promised the rows; the same for all blocks here.
         unsafe {
             match const { &T::LAYOUT }.kinds[register] {
-                Register::Given => R::load(from.add(row)),
-                Register::Field if PLAIN => work.numbers[register],
-                Register::Sum if PLAIN => R::lit(NOTHING),
-                Register::Optional | Register::OptionalConstant if PLAIN => R::lit(0.0),
-                Register::Constant | Register::OptionalConstant => work.numbers[register],
-                Register::Optional | Register::Field | Register::Sum => {
+                Content::Given => R::load(from.add(row)),
+                Content::Field if PLAIN => work.numbers[register],
+                Content::Sum if PLAIN => R::lit(NOTHING),
+                Content::Optional | Content::OptionalConstant if PLAIN => R::lit(0.0),
+                Content::Constant | Content::OptionalConstant => work.numbers[register],
+                Content::Optional | Content::Field | Content::Sum => {
                     R::load(from.add(row_of(row, work.uniform, register)))
                 }
-                Register::Set => R::lit(0.0),
+                Content::Set => R::lit(0.0),
             }
         }
     }
@@ -419,7 +419,7 @@ impl<P: Scalar, T: Chained, const DRIFT: bool, const PLAIN: bool> Loop<'_, P, T,
         if !DRIFT {
             return;
         }
-        each_register!(|register| if matches!(layout.kinds[register], Register::Sum) {
+        each_register!(|register| if matches!(layout.kinds[register], Content::Sum) {
             file.values[register] = Self::load(work, register, row);
         });
         T::steps::<T, R, Drift>(bodies, &mut file);

@@ -253,21 +253,8 @@ impl<P: Scalar> Stage<'_, P> {
             if !self.ops[first..].iter().any(writes) {
                 continue;
             }
-            let known = &registry.quantities[id];
-            let width = known.info.kind.width();
-            self.ops.push(Placed {
-                op: Op::Keep,
-                domain: known.domain,
-                rows: None,
-                row_local: false,
-                backend: Backend::Auto,
-                every: 1,
-                operands: (0..width)
-                    .map(|c| Operand::Previous(id, c))
-                    .chain((0..width).map(|c| Operand::Quantity(id, c)))
-                    .collect(),
-                writes: (0..2 * width).map(|k| k < width).collect(),
-            });
+            let op = self.whole(Op::Keep, id, |c| Operand::Previous(id, c), Some(|c| Operand::Quantity(id, c)));
+            self.ops.push(op);
         }
     }
 
@@ -342,19 +329,10 @@ impl<P: Scalar> Stage<'_, P> {
         }
         self.started.push(quantity);
         let from = start_of(quantity, registry);
-        let width = known.info.kind.width();
-        let own = (0..width).map(|c| Operand::Quantity(quantity, c));
-        let other = from.into_iter().flat_map(|from| (0..width).map(move |c| Operand::Quantity(from, c)));
-        self.ops.push(Placed {
-            op: Op::Start { sum: quantity, from },
-            domain: known.domain,
-            rows: None,
-            row_local: true,
-            backend,
-            every: 1,
-            operands: own.chain(other).collect(),
-            writes: (0..2 * width).map(|k| k < width).collect(),
-        });
+        let op = Op::Start { sum: quantity, from };
+        let other = from.map(|from| move |c| Operand::Quantity(from, c));
+        let start = self.whole(op, quantity, |c| Operand::Quantity(quantity, c), other);
+        self.ops.push(Placed { row_local: true, backend, ..start });
     }
 
     fn sample(&mut self, index: usize, field: usize, place: QuantityId) {
@@ -441,21 +419,31 @@ impl<P: Scalar> Stage<'_, P> {
     }
 
     fn axpy(&mut self, state: QuantityId) {
-        let known = &self.pipeline.registry.quantities[state];
+        let (to, from) = (|c| Operand::Quantity(state, c), |c| Operand::Rate(state, c));
+        let op = self.whole(Op::Axpy { stage: self.stage }, state, to, Some(from));
+        self.ops.push(op);
+    }
+
+    /// An operation on all rows of a quantity, alone in its pass: it writes some components, from others.
+    fn whole(
+        &self,
+        op: Op,
+        quantity: QuantityId,
+        to: impl Fn(usize) -> Operand,
+        from: Option<impl Fn(usize) -> Operand>,
+    ) -> Placed {
+        let known = &self.pipeline.registry.quantities[quantity];
         let width = known.info.kind.width();
-        self.ops.push(Placed {
-            op: Op::Axpy { stage: self.stage },
+        Placed {
+            op,
             domain: known.domain,
             rows: None,
             row_local: false,
             backend: Backend::Auto,
             every: 1,
-            operands: (0..width)
-                .map(|c| Operand::Quantity(state, c))
-                .chain((0..width).map(|c| Operand::Rate(state, c)))
-                .collect(),
+            operands: (0..width).map(to).chain(from.into_iter().flat_map(|from| (0..width).map(from))).collect(),
             writes: (0..2 * width).map(|k| k < width).collect(),
-        });
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The registry's rules that need no state, in constants: what the compiler says about `pipeline![...]`.
 
-use super::layout::{List, before, same};
+use super::layout::{List, before, one_quantity, same};
 use crate::law::{Mode, Place};
 
 /// Stops the compiler at declarations that contradict each other, naming laws and property.
@@ -37,6 +37,9 @@ const fn pair(list: &List, one: usize, other: usize) {
                 && mine.property.size.scale == its.property.size.scale;
             if !mine.property.kind.same_as(its.property.kind) || !one_unit {
                 fail(&["property ", name, " has one kind and unit in ", first.name, " and another in ", second.name]);
+            }
+            if !one_quantity(&first, &mine, &second, &its) {
+                continue;
             }
             match (mine.mode, its.mode) {
                 (Mode::Sets, Mode::Sets) => {
@@ -127,5 +130,62 @@ const fn fail(parts: &[&str]) -> ! {
     match core::str::from_utf8(text.split_at(at).0) {
         Ok(text) => panic!("{}", text),
         Err(_) => panic!("the laws of the pipeline contradict each other"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::{Port, Shape, Signature};
+    use crate::property::{Kind, Position, Property, PropertyInfo, Velocity};
+    use std::panic::catch_unwind;
+
+    const TRACE: PropertyInfo = PropertyInfo::new("trace", Kind::Scalar, "1");
+    const ECHO: PropertyInfo = PropertyInfo::new("echo", Kind::Scalar, "1");
+    const SPEED: PropertyInfo = PropertyInfo::new("velocity", Kind::Vector, "km/h");
+
+    fn law(name: &'static str, domain: Option<&'static str>, ports: &[(Mode, PropertyInfo)]) -> Signature {
+        let port = |&(mode, property): &(Mode, PropertyInfo)| {
+            let field = property.name;
+            Port { field, property, mode, place: Place::Own, optional: false, default: None, from: u64::MAX }
+        };
+        let ports: Vec<Port> = ports.iter().map(port).collect();
+        let ports = Vec::leak(ports);
+        Signature { name, doc: "", domain, ports, parameters: &[], link: None, file: "", line: 0 }
+    }
+
+    fn message(laws: [Signature; 2]) -> Option<String> {
+        let list = laws.iter().rev().fold(List::EMPTY, |list, law| list.with_first(*law, Shape::Row));
+        let panic = catch_unwind(|| check(&list)).err()?;
+        panic.downcast_ref::<String>().cloned()
+    }
+
+    #[test]
+    fn contradictions_name_laws_and_property() {
+        use Mode::{Rates, Reads, Sets};
+        let sets = |name| law(name, None, &[(Sets, TRACE)]);
+        let moves = |name| law(name, None, &[(Reads, Velocity::INFO), (Rates, Position::INFO)]);
+        let places = law("places", None, &[(Sets, Position::INFO)]);
+        let odd = law("odd", None, &[(Reads, SPEED), (Sets, TRACE)]);
+        let there = law("there", None, &[(Reads, TRACE), (Sets, ECHO)]);
+        let back = law("back", None, &[(Reads, ECHO), (Sets, TRACE)]);
+        let table = [
+            ([sets("a"), sets("a")], "law a is in the pipeline twice: keep one, or list the other with a label"),
+            ([sets("a"), sets("b")], "a and b both set trace: keep one"),
+            ([moves("a"), moves("b")], "a and b both give the rate of position: keep one"),
+            ([moves("a"), places], "position is a state for one of a and places, and computed by the other"),
+            ([moves("a"), odd], "property velocity has one kind and unit in a and another in odd"),
+            ([there, back], "the laws close a circle, there and back among them: each sets what the other reads"),
+        ];
+        for (laws, expected) in table {
+            assert_eq!(message(laws).as_deref(), Some(expected));
+        }
+    }
+
+    #[test]
+    fn laws_of_different_domains_do_not_contradict_each_other() {
+        let sets = |name, domain| law(name, domain, &[(Mode::Sets, TRACE)]);
+        assert_eq!(message([sets("a", Some("stars")), sets("b", Some("moons"))]), None);
+        assert!(message([sets("a", Some("stars")), sets("b", None)]).is_some());
     }
 }

@@ -55,7 +55,7 @@ impl List {
 
 /// What a register holds when a loop begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Register {
+pub(crate) enum Content {
     Given,
     Constant,
     Optional,
@@ -70,7 +70,7 @@ pub(crate) enum Register {
 pub struct Layout {
     /// By law and slot.
     pub(crate) registers: [[u8; MAX_SLOTS]; LAWS],
-    pub(crate) kinds: [Register; REGISTERS],
+    pub(crate) kinds: [Content; REGISTERS],
     pub(crate) kicked: [bool; REGISTERS],
     pub(crate) drifted: [bool; REGISTERS],
     pub(crate) count: usize,
@@ -86,7 +86,7 @@ impl Layout {
     pub(crate) const fn new(list: &List) -> Layout {
         let mut layout = Layout {
             registers: [[0; MAX_SLOTS]; LAWS],
-            kinds: [Register::Given; REGISTERS],
+            kinds: [Content::Given; REGISTERS],
             kicked: [false; REGISTERS],
             drifted: [false; REGISTERS],
             count: 0,
@@ -149,20 +149,20 @@ impl Layout {
                 self.kicked[register] = !matches!(port.property.role, Role::Coordinate);
                 self.drifted[register] = matches!(port.property.role, Role::Coordinate);
             }
-            Mode::Sets | Mode::Amends => self.kinds[register] = Register::Set,
-            Mode::Adds => self.kinds[register] = Register::Sum,
+            Mode::Sets | Mode::Amends => self.kinds[register] = Content::Set,
+            Mode::Adds => self.kinds[register] = Content::Sum,
             Mode::Reads | Mode::Previous => {
                 if matches!(port.property.role, Role::Sum { .. }) {
-                    self.kinds[register] = Register::Sum;
-                } else if matches!(self.kinds[register], Register::Set) {
+                    self.kinds[register] = Content::Sum;
+                } else if matches!(self.kinds[register], Content::Set) {
                 } else if matches!(port.place, Place::Field) {
-                    self.kinds[register] = Register::Field;
+                    self.kinds[register] = Content::Field;
                 } else if port.optional && constant {
-                    self.kinds[register] = Register::OptionalConstant;
+                    self.kinds[register] = Content::OptionalConstant;
                 } else if constant {
-                    self.kinds[register] = Register::Constant;
+                    self.kinds[register] = Content::Constant;
                 } else if port.optional {
-                    self.kinds[register] = Register::Optional;
+                    self.kinds[register] = Content::Optional;
                 }
             }
         }
@@ -173,9 +173,9 @@ impl Layout {
         let (mut register, mut mask) = (0, 0_u64);
         while register < self.count {
             let of_kind = match self.kinds[register] {
-                Register::Sum | Register::Set => !given,
-                Register::Given | Register::Constant | Register::Field => given,
-                Register::Optional | Register::OptionalConstant => false,
+                Content::Sum | Content::Set => !given,
+                Content::Given | Content::Constant | Content::Field => given,
+                Content::Optional | Content::OptionalConstant => false,
             };
             if of_kind {
                 mask |= 1 << register;
@@ -190,9 +190,9 @@ impl Layout {
     pub(super) fn is_plain(&self, present: u64, uniform: u64) -> bool {
         let has = |mask: u64, register: usize| mask >> register & 1 == 1;
         (0..self.count).all(|register| match self.kinds[register] {
-            Register::Given | Register::Constant | Register::Set => true,
-            Register::Optional | Register::OptionalConstant | Register::Sum => !has(present, register),
-            Register::Field => has(present, register) && has(uniform, register),
+            Content::Given | Content::Constant | Content::Set => true,
+            Content::Optional | Content::OptionalConstant | Content::Sum => !has(present, register),
+            Content::Field => has(present, register) && has(uniform, register),
         })
     }
 
@@ -231,6 +231,21 @@ pub(super) const fn less(one: &str, other: &str) -> bool {
     one.len() < other.len()
 }
 
+/// Whether two ports surely are of the same property on the same rows: only a state knows which domain a law finds that
+/// declares none, and which one a link leads to.
+pub(super) const fn one_quantity(first: &Signature, mine: &Port, second: &Signature, its: &Port) -> bool {
+    let one_domain = match (first.domain, second.domain) {
+        (Some(one), Some(other)) => same(one, other),
+        _ => true,
+    };
+    let one_place = match (mine.place, its.place) {
+        (Place::Own, Place::Own) => one_domain,
+        (Place::Scene, Place::Scene) | (Place::Field, Place::Field) => true,
+        _ => false,
+    };
+    one_place && same(mine.property.name, its.property.name)
+}
+
 /// Whether the first law must run before the second one.
 pub(super) const fn before(first: &Signature, second: &Signature) -> bool {
     let mut a = 0;
@@ -244,7 +259,7 @@ pub(super) const fn before(first: &Signature, second: &Signature) -> bool {
                     | (Mode::Adds, Mode::Reads)
                     | (Mode::Previous, Mode::Sets | Mode::Adds)
             );
-            if ordered && same(one.property.name, other.property.name) {
+            if ordered && one_quantity(first, &one, second, &other) {
                 return true;
             }
             b += 1;

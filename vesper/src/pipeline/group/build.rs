@@ -61,13 +61,17 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
         // An energy is one sum over all rows, in their order.
         let energy = ops.iter().any(|op| matches!(op.op, Op::Law { energy: true, .. }));
         let backend = if energy { Backend::Cpu } else { ops[0].backend };
-        let threads = threads(backend, self.rows, PARALLEL_ROWS, self.binder.machine)
-            .min(self.rows.div_ceil(block::<P>()))
-            .max(1);
+        let moving = |slot: &Slot<P>| if let Slot::Moving(start) = *slot { Some(start) } else { None };
+        let mut columns: Vec<*mut P> = self.slots.iter().filter_map(moving).collect();
+        columns.sort_unstable();
+        columns.dedup();
+        let block = block::<P>(columns.len() * self.rows * size_of::<P>());
+        let threads =
+            threads(backend, self.rows, PARALLEL_ROWS, self.binder.machine).min(self.rows.div_ceil(block)).max(1);
         // One operation that keeps nothing between rows runs through all of a thread's rows.
         let block = match (self.ops.len(), self.scratches.len()) {
             (0 | 1, 0) => self.rows.div_ceil(threads).next_multiple_of(MAX_WIDTH),
-            _ => block::<P>(),
+            _ => block,
         };
         let desks = (0..threads)
             .map(|_| {
@@ -80,10 +84,6 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
                 Desk { scratch, pointers: starts.clone(), starts, ready: false }
             })
             .collect();
-        let moving = |slot: &Slot<P>| if let Slot::Moving(start) = *slot { Some(start) } else { None };
-        let mut columns: Vec<*mut P> = self.slots.iter().filter_map(moving).collect();
-        columns.sort_unstable();
-        columns.dedup();
         Group {
             rows: self.rows,
             block,
