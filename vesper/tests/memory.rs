@@ -10,11 +10,11 @@ use common::*;
 use vesper::prelude::*;
 use vesper::real::Isa;
 
-/// One more than the lanes of the portable set, so that rows are left for the scalar loop.
-const ROWS: usize = 9;
+/// More than the lanes of the baseline, and not a multiple, so that rows are left for the scalar loop.
+const ROWS: usize = 5;
 
 fn sets() -> Vec<Isa> {
-    // Miri knows no vector instructions beyond the portable ones.
+    // Miri has no instructions beyond the baseline.
     Isa::available().into_iter().take(2).collect()
 }
 
@@ -23,7 +23,7 @@ fn bodies() -> Domain<f64> {
     let of = |property: PropertyInfo| Values::new(property.kind.width(), state.numbers("bodies", property).unwrap());
     let all = [Position.info(), Velocity.info(), Mass.info(), DragCoefficient.info(), ExternalForce.info()];
     let domain = all.into_iter().fold(Domain::new("bodies"), |domain, property| domain.with(property, of(property)));
-    domain.subset(Charge, [7, 1, 4], [1.0, 2.0, 3.0])
+    domain.subset(Charge, [3, 1, 4], [1.0, 2.0, 3.0])
 }
 
 /// Few laws of every shape: whatever is made for a law is made anew for each test, which is slow here.
@@ -70,7 +70,7 @@ fn lent_memory_vectors_and_raw() {
         .lend(Position, &position)
         .lend(Velocity, &raw)
         .with(Mass, vec![1.5; ROWS])
-        .subset(Charge, [0, 8], [1.0, -1.0]);
+        .subset(Charge, [0, 4], [1.0, -1.0]);
     let mut engine = shapes(Engine::builder().domain(domain)).build().unwrap();
     engine.advance(0.01).unwrap();
     position.write()[3][1] += 0.5;
@@ -114,7 +114,7 @@ fn rows_and_columns_come_and_go() {
         .subset(Charge, [1], [4.0]);
     engine.state_mut().add_rows(more).unwrap();
     engine.advance(0.01).unwrap();
-    engine.state_mut().remove_rows("bodies", &[0, 4, 10]).unwrap();
+    engine.state_mut().remove_rows("bodies", &[0, 4, 6]).unwrap();
     engine.state_mut().remove_column("bodies", ExternalForce).unwrap();
     engine.advance(0.01).unwrap();
     let copy = engine.state().clone();
