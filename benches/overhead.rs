@@ -13,6 +13,13 @@ use vesper_laws::{Motion, Spring, UniformGravity};
 /// Laws from whose time together the time of one is taken.
 const LAWS: usize = 16;
 
+/// Frames of one piece of work: the race's own call of it costs as much as an empty frame.
+const FRAMES: f64 = 100.0;
+
+fn frames(mut frame: impl FnMut()) -> impl FnMut() {
+    move || (0..FRAMES as u32).for_each(|_| frame())
+}
+
 #[derive(Component)]
 struct Weight(f64);
 #[derive(Component)]
@@ -90,17 +97,17 @@ fn laws(rows: usize, run: Run, summary: &mut Summary, lines: &mut criterion::Cri
     };
     let mut other_sums = sums.clone();
     let mut contenders = [
-        Contender::new("engine, no law", || no_engine.advance(black_box(STEP)).expect(stays)),
-        Contender::new("engine, 16 laws", || engine.advance(black_box(STEP)).expect(stays)),
-        Contender::new("bevy_ecs, no system", || no_world.1.run(&mut no_world.0)),
-        Contender::new("bevy_ecs, 16 systems", || world.1.run(&mut world.0)),
-        Contender::new("no closure", || black_box(&mut *no_list).iter_mut().for_each(|law| law())),
-        Contender::new("16 closures", || black_box(&mut *list).iter_mut().for_each(|law| law())),
-        Contender::new("hand, no law", || by_hand(0, &mut sums)),
-        Contender::new("hand, 16 laws", || by_hand(LAWS, &mut other_sums)),
+        Contender::new("engine, no law", frames(|| no_engine.advance(black_box(STEP)).expect(stays))),
+        Contender::new("engine, 16 laws", frames(|| engine.advance(black_box(STEP)).expect(stays))),
+        Contender::new("bevy_ecs, no system", frames(|| no_world.1.run(&mut no_world.0))),
+        Contender::new("bevy_ecs, 16 systems", frames(|| world.1.run(&mut world.0))),
+        Contender::new("no closure", frames(|| black_box(&mut *no_list).iter_mut().for_each(|law| law()))),
+        Contender::new("16 closures", frames(|| black_box(&mut *list).iter_mut().for_each(|law| law()))),
+        Contender::new("hand, no law", frames(|| by_hand(0, &mut sums))),
+        Contender::new("hand, 16 laws", frames(|| by_hand(LAWS, &mut other_sums))),
     ];
     if run.wants(&name) {
-        let times = Race::default().run(run, 1.0, &mut contenders);
+        let times = Race::default().run(run, FRAMES, &mut contenders);
         let [no_law, laws, no_system, systems, no_closure, closures, no_hand, hand] = times[..] else { return };
         let case = |name| Case { name, n: rows, precision: "f64", unit: "ns" };
         let named = |name, time| Time { name, ..time };
@@ -118,7 +125,7 @@ fn laws(rows: usize, run: Run, summary: &mut Summary, lines: &mut criterion::Cri
         ];
         summary.add(case("each further law"), each("law", no_law, laws), &further);
     }
-    Race::lines(lines, &name, 1.0, &mut contenders);
+    Race::lines(lines, &name, FRAMES, &mut contenders);
 }
 
 /// Four masses, joined by six springs, fall beside three that are immovable.
