@@ -244,8 +244,12 @@ macro_rules! lanes {
                 $name([unsafe { $set1(value) }; $count])
             }
             #[inline(always)]
-            fn from_lanes(lane: impl FnMut(usize) -> $scalar) -> Self {
-                let lanes: [$scalar; $count * $per] = core::array::from_fn(lane);
+            fn from_lanes(mut lane: impl FnMut(usize) -> $scalar) -> Self {
+                // Not `array::from_fn`, which is not always inlined: a loop over springs was twice as slow with it.
+                let mut lanes = [0.0; $count * $per];
+                for (index, number) in lanes.iter_mut().enumerate() {
+                    *number = lane(index);
+                }
                 // SAFETY: the array has WIDTH numbers.
                 unsafe { Self::load(lanes.as_ptr()) }
             }
