@@ -43,10 +43,11 @@ impl<P: Copy + Default> Aligned<P> {
         Layout::from_size_align(bytes, CACHE_LINE).unwrap_or_else(|_| handle_alloc_error(Layout::new::<P>()))
     }
 
-    /// Numbers to leave before the first one. Columns within a page lie anywhere in it as they are.
+    /// Numbers to leave before the first one. What allocators do with columns of nearly a page is worst, a line less than a
+    /// page apart: what is written to one holds up what is read from the next. Those of a few lines lie well as they are.
     fn lead(&self, capacity: usize) -> usize {
         let line = CACHE_LINE / size_of::<P>();
-        if capacity < SETS * line { 0 } else { self.stream * STAGGER % SETS * line }
+        if capacity < SETS / 8 * line { 0 } else { self.stream * STAGGER % SETS * line }
     }
 
     /// Keeps the first numbers, adds zeros.
