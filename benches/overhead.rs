@@ -111,7 +111,7 @@ fn laws(rows: usize, run: Run, summary: &mut Summary, lines: &mut criterion::Cri
         let [no_law, laws, no_system, systems, no_closure, closures, no_hand, hand] = times[..] else { return };
         let case = |name| Case { name, n: rows, precision: "f64", unit: "ns" };
         let named = |name, time| Time { name, ..time };
-        let first = if rows == 0 { "empty engine, per advance" } else { "motion alone, per advance" };
+        let first = if rows == 0 { "advance of an empty engine" } else { "advance of motion alone" };
         let empty = [
             (named("bevy_ecs schedule", no_system), None),
             (named("Vec<Box<dyn FnMut>>", no_closure), None),

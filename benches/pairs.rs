@@ -51,7 +51,7 @@ fn study<P: Precision>(run: Run, summary: &mut Summary, lines: &mut criterion::C
         let [foreign, stock, hand] = times[..] else { return };
         let case = |name| Case { name, n: BODIES, precision: P::NAME, unit: "ns/pair" };
         summary.add(case("foreign law beside stock"), foreign, &[(stock, Some(0.0))]);
-        summary.add(case("gravity, all pairs"), stock, &[(hand, Some(error))]);
+        summary.add(case("gravity of all pairs"), stock, &[(hand, Some(error))]);
         if run == Run::Measure {
             println!("    {:.2e} ordered pairs per second on one thread", 1e9 / stock.median);
         }

@@ -17,7 +17,7 @@ pub struct Summary {
 /// What was raced.
 #[derive(Clone, Copy, Debug)]
 pub struct Case<'a> {
-    /// Its name.
+    /// Its name, without a comma.
     pub name: &'a str,
     /// Rows, pairs or links.
     pub n: usize,
@@ -37,6 +37,7 @@ impl Summary {
     /// of it. All on one thread.
     pub fn add(&mut self, case: Case<'_>, ours: Time, peers: &[(Time, Option<f64>)]) {
         let Case { name, n, precision, unit } = case;
+        assert!(!name.contains(','), "{name}: a comma would end the cell of the summary");
         let Time { median, low, high, .. } = ours;
         if self.run == Run::Test {
             println!("{} {name} n={n} {precision}: runs", self.study);

@@ -5,6 +5,7 @@ use super::{Compile, Compiled, Kernel, MAX_SLOTS};
 use crate::law::{DynLaw, Mode, Part, Place};
 use crate::property::Role;
 use crate::real::{Isa, Scalar};
+use std::sync::Arc;
 
 impl Compile for DynLaw {
     fn compile_f32(&self) -> Compiled<f32> {
@@ -17,7 +18,7 @@ impl Compile for DynLaw {
 
 fn compiled<P: Scalar>(law: &DynLaw) -> Compiled<P> {
     let kernel = Closure { slots: law.signature.slots(), law: law.clone() };
-    Compiled { signature: law.signature, energy: false, parameters: Vec::new(), kernel: Kernel::Row(Box::new(kernel)) }
+    Compiled { signature: law.signature, energy: false, parameters: Vec::new(), kernel: Kernel::Row(Arc::new(kernel)) }
 }
 
 struct Closure {

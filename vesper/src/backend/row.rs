@@ -10,6 +10,7 @@ use crate::law::{Declared, Mode, Part, Place, RowFamily, RowLaw, Signature, Sour
 use crate::property::Role;
 use crate::real::{Isa, Lanes, Scalar, WithLanes, prefetch};
 use core::marker::PhantomData;
+use std::sync::Arc;
 
 /// One call of a row kernel.
 pub(crate) struct RowCall<'a, P> {
@@ -55,7 +56,7 @@ pub fn row<P: Scalar, F: RowFamily>(law: &F) -> Compiled<P> {
         signature: F::SIGNATURE,
         energy: F::ENERGY,
         parameters: law.parameters(),
-        kernel: Kernel::Row(Box::new(law.clone())),
+        kernel: Kernel::Row(Arc::new(law.clone())),
     }
 }
 
@@ -208,8 +209,8 @@ impl<P: Scalar, F: RowFamily, Rule: RateRule, const UNIFORM: bool> WithLanes<P> 
             let law = self.law.kernel::<R>();
             let steps = steps.map(R::splat);
             let ahead = self.call.ahead;
-            // Two sets at a time where a cache line holds two: the loop itself, and the asking ahead, are a tenth of the
-            // time of a short body.
+            // Two sets at a time where a cache line holds two: with one, a short body waits for the loop itself and for
+            // the asking ahead, once too often for each line.
             if const { 2 * size_of::<R>() == LINE } {
                 let pairs = rows - rows % (2 * R::WIDTH);
                 while row != pairs {

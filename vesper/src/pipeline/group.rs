@@ -7,11 +7,12 @@ pub(super) use build::GroupBuilder;
 use super::bind::Transfer;
 use super::chain::{ChainCall, Fixed};
 use super::run::Context;
-use crate::backend::{AHEAD, Kernel, RowCall};
+use crate::backend::{AHEAD, RowCall, RowKernel};
 use crate::column::Aligned;
 use crate::law::Part;
 use crate::real::Scalar;
 use core::ops::Range;
+use std::sync::Arc;
 
 /// Where a component is during a block.
 #[derive(Clone, Copy, Debug)]
@@ -32,8 +33,7 @@ enum Start {
 }
 
 /// One operation on a block.
-#[derive(Clone, Debug)]
-enum BlockOp {
+enum BlockOp<P: Scalar> {
     Start {
         to: Range<usize>,
         from: Start,
@@ -45,6 +45,7 @@ enum BlockOp {
     },
     Law {
         law: usize,
+        kernel: Arc<dyn RowKernel<P>>,
         slots: Range<usize>,
         /// Which of them are of a uniform field: one set of lanes; a bit each.
         uniform: u64,
@@ -87,7 +88,7 @@ pub(crate) struct Group<P: Scalar> {
     moves: Vec<usize>,
     /// Where the columns begin that are read or written in place.
     columns: Vec<*mut P>,
-    ops: Vec<BlockOp>,
+    ops: Vec<BlockOp<P>>,
     transfers: Vec<Transfer<P>>,
     desks: Vec<Desk<P>>,
     /// Keeps the constants that `slots` points to.
@@ -135,7 +136,7 @@ struct Body<'a, P: Scalar> {
     block: usize,
     moves: &'a [usize],
     columns: &'a [*mut P],
-    ops: &'a [BlockOp],
+    ops: &'a [BlockOp<P>],
     transfers: &'a [Transfer<P>],
     context: &'a Context<'a, P>,
 }
@@ -190,7 +191,7 @@ impl<P: Scalar> Body<'_, P> {
 
     /// # Safety
     /// `pointers` are those of the block, which has `rows` rows.
-    unsafe fn op(&self, op: &BlockOp, rows: usize, pointers: &[*mut P], ahead: [*const P; AHEAD]) -> f64 {
+    unsafe fn op(&self, op: &BlockOp<P>, rows: usize, pointers: &[*mut P], ahead: [*const P; AHEAD]) -> f64 {
         let context = self.context;
         match op {
             BlockOp::Start { to, from: Start::Number(number) } => {
@@ -217,8 +218,7 @@ impl<P: Scalar> Body<'_, P> {
                 };
                 context.fields[*field].1.sample_block(at, context.time, to);
             }
-            BlockOp::Law { law, slots, uniform, part, advance, drift, energy, first } => {
-                let Kernel::Row(kernel) = &context.laws[*law].compiled.kernel else { return 0.0 };
+            BlockOp::Law { law, kernel, slots, uniform, part, advance, drift, energy, first } => {
                 let [advance, drift] = [advance, drift].map(|stage| stage.map(|stage| context.steps[stage]));
                 let slots_of_call = &pointers[slots.clone()];
                 let call = RowCall {

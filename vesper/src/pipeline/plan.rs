@@ -3,7 +3,7 @@
 use super::Pipeline;
 use crate::error::counted;
 use crate::graph::{Graph, wanted_inputs};
-use crate::law::{Mode, Part, Place, Shape};
+use crate::law::{Mode, Part, Place, Port, Shape};
 use crate::real::Scalar;
 use crate::registry::{Backend, Entry, QuantityId, Registry, Seat, Status, Tie, computes, start_of};
 use crate::state::State;
@@ -266,22 +266,26 @@ impl<P: Scalar> Stage<'_, P> {
     fn law(&mut self, index: usize, rates: bool, targets: &[usize], makers: &[usize], advanced: &mut Vec<QuantityId>) {
         let (seat, entry) = self.seat(index);
         let mask = if rates { wanted_inputs(&entry.signature, self.part).unwrap_or(u64::MAX) } else { u64::MAX };
-        let touched: Vec<QuantityId> = entry
-            .signature
-            .ports
-            .iter()
-            .zip(&seat.ties)
-            .enumerate()
-            .filter(|(port, (declared, _))| {
-                declared.mode == Mode::Adds || declared.mode == Mode::Reads && (*port >= 64 || mask >> port & 1 == 1)
-            })
-            .filter_map(|(_, (_, tie))| if let Tie::Quantity(id) = tie { Some(*id) } else { None })
-            .collect();
+        // A row law that sets a sum does so in all rows: there it begins.
+        let begins = |port: &Port| port.mode == Mode::Sets && entry.shape == Shape::Row;
+        let tied = |wanted: &dyn Fn(usize, &Port) -> bool| -> Vec<QuantityId> {
+            let ports = entry.signature.ports.iter().enumerate().zip(&seat.ties);
+            let wanted = ports.filter(|((number, port), _)| wanted(*number, port));
+            wanted.filter_map(|(_, tie)| if let Tie::Quantity(id) = tie { Some(*id) } else { None }).collect()
+        };
+        let begun = tied(&|_, port| begins(port));
+        let touched = tied(&|number, port| match port.mode {
+            Mode::Adds => true,
+            Mode::Sets => !begins(port),
+            Mode::Reads => number >= 64 || mask >> number & 1 == 1,
+            Mode::Rates | Mode::Previous | Mode::Amends => false,
+        });
         let fields: Vec<usize> =
             seat.ties.iter().filter_map(|tie| if let Tie::Field(field) = tie { Some(*field) } else { None }).collect();
         let place = seat.place;
         let backend = entry.options.backend;
         touched.into_iter().for_each(|quantity| self.start(quantity, backend));
+        self.started.extend(begun);
         if let Some(place) = place {
             fields.into_iter().for_each(|field| self.sample(index, field, place));
         }

@@ -28,7 +28,8 @@ pub trait InPrecision {
 }
 
 /// A function of the precision that is compiled in this crate, once for `f32` and once for `f64`, and not again in every
-/// program that calls it: an engine is 6000 functions, whose translation took a program of fifty lines 20 s.
+/// program that calls it: an engine is thousands of functions, and most of what a short program would compile
+/// (`cargo rustc --example first_law -- -Z time-passes` shows it on nightly).
 macro_rules! compiled_here {
     (<$precision:ident> |$($argument:ident: $type:ty),+| -> $result:ty { $body:expr }) => {{
         use $crate::real::{InPrecision, Scalar};

@@ -2,7 +2,7 @@
 //! operations on blocks; or one loop, where a chain was listed that has just these laws. Never runs anything.
 
 use super::{BlockOp, Desk, Group, Slot, Start};
-use crate::backend::block;
+use crate::backend::{Kernel, block};
 use crate::column::Aligned;
 use crate::law::Part;
 use crate::pipeline::bind::{Base, Binder, PARALLEL_ROWS, Transfer, threads};
@@ -19,7 +19,7 @@ pub(in crate::pipeline) struct GroupBuilder<'a, P: Scalar> {
     row_list: Option<&'a [u32]>,
     pub(in crate::pipeline) rows: usize,
     slots: Vec<Slot<P>>,
-    ops: Vec<BlockOp>,
+    ops: Vec<BlockOp<P>>,
     transfers: Vec<Transfer<P>>,
     /// Scratches by what they hold.
     scratches: Vec<Operand>,
@@ -113,8 +113,11 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
             Op::Sample { field, .. } => BlockOp::Sample { field, at: slots.start..half, to: half..slots.end },
             Op::Law { seat, part, advance, drift, energy, first } => {
                 let law = self.binder.pipeline.registry.seats[seat].law;
+                // Whoever made the group looked at the shape.
+                let Kernel::Row(kernel) = &self.binder.laws[law].compiled.kernel else { return };
                 BlockOp::Law {
                     law,
+                    kernel: kernel.clone(),
                     slots,
                     uniform: self.uniform_slots(&op.operands),
                     part,

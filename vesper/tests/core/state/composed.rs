@@ -115,6 +115,62 @@ fn a_composed_law_can_be_switched_off_and_looked_at() {
     assert_eq!(run(Way::Composed), run(Way::Listed));
 }
 
+/// Sets what `Motion` of the bodies reads as force, but on other rows.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(domain = "grains", reads(mass: Mass), sets(force: Force))]
+struct Load;
+
+#[kernel]
+impl<R: Real> RowLaw<R> for Load {
+    fn row(&self, row: LoadRow<R>) -> R::Vec3 {
+        R::Vec3::new(row.mass, R::lit(0.0), R::lit(0.0))
+    }
+}
+
+/// Stands on bodies by declaration.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(domain = "bodies", reads(mass: Mass), sets(force: Force))]
+struct Lift;
+
+#[kernel]
+impl<R: Real> RowLaw<R> for Lift {
+    fn row(&self, row: LiftRow<R>) -> R::Vec3 {
+        R::Vec3::new(R::lit(0.0), R::lit(0.0), row.mass)
+    }
+}
+
+#[test]
+fn laws_of_two_domains_are_composed_and_each_stays_on_its_own() {
+    // Two setters of one property: no contradiction, since they stand on different rows.
+    let chain = pipeline![Load, Lift, Motion];
+    let start = || {
+        let grains = Domain::new("grains").with(Mass, vec![3.0; 700]);
+        Engine::<f64>::builder().domain(cloud(523, 12)).domain(grains).observe("grains", Force).observe("bodies", Force)
+    };
+    assert!(!agree(start, &chain, |b| b.law(Load).law(Lift).law(Motion)));
+    let mut engine = start().laws(chain).step(0.01).build().unwrap();
+    engine.advance(0.02).unwrap();
+    let (grain, mass) =
+        (engine.state().get("grains", Force, 699).unwrap(), engine.state().get("bodies", Mass, 5).unwrap());
+    assert_eq!(grain, DVec3::new(3.0, 0.0, 0.0));
+    assert_eq!(engine.state().get("bodies", Force, 5).unwrap(), DVec3::new(0.0, 0.0, mass));
+}
+
+#[test]
+fn a_sum_that_a_law_sets_begins_there() {
+    let chain = pipeline![Weight, Motion, Lift];
+    let start = || start::<f64>().observe("bodies", Force);
+    assert!(agree(start, &chain, |b| b.law(Weight).law(Motion).law(Lift)));
+    let mut engine = start().law(Weight).law(Motion).law(Lift).step(0.01).build().unwrap();
+    let before = engine.state().get("bodies", Velocity, 5).unwrap();
+    engine.advance(0.01).unwrap();
+    let mass = engine.state().get("bodies", Mass, 5).unwrap();
+    let pull = mass * DVec3::new(0.5, 0.0, -8.0);
+    assert!((engine.state().get("bodies", Force, 5).unwrap() - pull).length() < 1e-14);
+    let push = (engine.state().get("bodies", Velocity, 5).unwrap() - before) / 0.01 * mass;
+    assert!((push - pull).length() < 1e-11, "{push} instead of {pull}");
+}
+
 /// Reads a coefficient that its rates do not need.
 #[derive(Law, Clone, Copy, Debug)]
 #[law(reads(velocity: Velocity, force: Force, mass: Mass, coefficient: DragCoefficient),
