@@ -21,7 +21,7 @@ impl Integrator for Ralston {
     fn work_vectors(&self) -> usize {
         2
     }
-    fn step(&mut self, system: &mut dyn System, step: f64) {
+    fn step(&mut self, system: &mut dyn System, step: f64) -> Result<(), Fault> {
         let (start, first) = (Register::Work(0), Register::Work(1));
         let time = system.time();
         system.copy(start, Register::State, Part::All);
@@ -34,6 +34,7 @@ impl Integrator for Ralston {
         system.axpy(Register::State, 0.25 * step, first, Part::All);
         system.axpy(Register::State, 0.75 * step, Register::Rates, Part::All);
         system.set_time(time + step);
+        Ok(())
     }
 }
 

@@ -12,7 +12,8 @@ use vesper::prelude::*;
 #[law(
     reads(velocity: Velocity, acceleration: Acceleration),
     reads(parameter: StandardGravitationalParameter, optional),
-    rates(position: Position from (velocity), velocity: Velocity from (acceleration))
+    rates(position: Position from (velocity), velocity: Velocity from (acceleration)),
+    second_order
 )]
 pub struct Kinematics;
 

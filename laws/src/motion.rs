@@ -11,7 +11,8 @@ use vesper::prelude::*;
 #[derive(Law, Clone, Copy, Debug)]
 #[law(
     reads(velocity: Velocity, force: Force, mass: Mass),
-    rates(position: Position from (velocity, mass), velocity: Velocity from (force, mass))
+    rates(position: Position from (velocity, mass), velocity: Velocity from (force, mass)),
+    second_order
 )]
 pub struct Motion;
 

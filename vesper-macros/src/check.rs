@@ -18,6 +18,7 @@ pub struct Law {
     pub snake: String,
     pub doc: String,
     pub domain: Option<String>,
+    pub second_order: bool,
     /// In the order of their numbers.
     pub ports: Vec<Port>,
     /// Per port: the ports that a rate depends on, one bit each; all bits where the declaration does not say.
@@ -63,7 +64,8 @@ impl Faults {
 }
 
 pub fn check(declaration: Declaration) -> syn::Result<Law> {
-    let Declaration { name, visibility, doc, generics, declared, domain, mut ports, link, fields } = declaration;
+    let Declaration { name, visibility, doc, generics, declared, domain, second_order, mut ports, link, fields } =
+        declaration;
     let mut faults = Faults::default();
     let real = real(&generics, &mut faults);
     if !declared {
@@ -77,6 +79,11 @@ pub fn check(declaration: Declaration) -> syn::Result<Law> {
         && !is_snake_case(&domain.value())
     {
         faults.at(domain.span(), format!("domain `{}` is no name: write it as `bodies`", domain.value()));
+    }
+    if let Some(span) = second_order
+        && !ports.iter().any(|port| port.mode == Mode::Rates)
+    {
+        faults.at(span, "`second_order` without `rates`: it says that the rate of a coordinate is its momentum");
     }
     ports.sort_by_key(rank);
     if let Some(port) = ports.get(63) {
@@ -96,7 +103,8 @@ pub fn check(declaration: Declaration) -> syn::Result<Law> {
         return Err(faults);
     }
     let (snake, domain) = (snake_case(&name.to_string()), domain.map(|domain| domain.value()));
-    Ok(Law { name, visibility, real, snake, doc, domain, ports, from, link, members })
+    let second_order = second_order.is_some();
+    Ok(Law { name, visibility, real, snake, doc, domain, second_order, ports, from, link, members })
 }
 
 pub fn is_output(port: &Port) -> bool {

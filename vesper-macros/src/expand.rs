@@ -260,6 +260,7 @@ fn implementation(law: &Law) -> TokenStream {
     let ports = law.ports.iter().zip(&law.from).map(|(port, &from)| signature_port(port, from));
     let parameters = law.members.iter().filter_map(signature_parameter);
     let (snake, doc) = (&law.snake, &law.doc);
+    let second_order = law.second_order;
     let domain = option(law.domain.as_ref().map(|domain| quote!(#domain)));
     let link = option(law.link.as_ref().map(|link| info(&link.property)));
     let bodies = law.members.iter().map(|member| match member {
@@ -295,6 +296,7 @@ fn implementation(law: &Law) -> TokenStream {
                 ports: PORTS,
                 parameters: PARAMETERS,
                 link: #link,
+                second_order: #second_order,
                 file: ::core::file!(),
                 line: ::core::line!(),
             };

@@ -18,6 +18,8 @@ pub struct Declaration {
     /// Whether there was a `#[law(...)]` at all.
     pub declared: bool,
     pub domain: Option<LitStr>,
+    /// The word `second_order`.
+    pub second_order: Option<Span>,
     pub ports: Vec<Port>,
     pub link: Option<Link>,
     pub fields: Vec<Field>,
@@ -112,6 +114,7 @@ impl Declaration {
             generics: input.generics,
             declared: false,
             domain: None,
+            second_order: None,
             ports: Vec::new(),
             link: None,
             fields: Vec::new(),
@@ -145,6 +148,8 @@ impl Declaration {
                 if self.domain.replace(domain).is_some() {
                     return Err(fault(word.span(), "a second `domain`: a law stands on one domain"));
                 }
+            } else if text == "second_order" {
+                self.second_order = Some(word.span());
             } else if text == "link" {
                 if self.link.is_some() {
                     return Err(fault(word.span(), "a second `link`: a law follows one link; split it into two laws"));
@@ -155,7 +160,7 @@ impl Declaration {
             } else {
                 let what = if input.peek(token::Paren) { "mode" } else { "key" };
                 let mut known: Vec<&str> = GROUPS.iter().map(|group| group.0).collect();
-                known.extend(["link", "domain"]);
+                known.extend(["link", "domain", "second_order"]);
                 return Err(fault(word.span(), unknown(what, &text, &known)));
             }
             comma(input)?;

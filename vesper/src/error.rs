@@ -211,6 +211,11 @@ pub enum Fault {
         "backend parallel is asked for, but vesper was built without the feature `parallel`: turn it on, or ask for cpu"
     )]
     NoParallel,
+    #[error(
+        "{integrator} finds no step that meets its tolerance at {time:e} s, down to {step:e} s: look at what is close to \
+         infinite there, allow a larger error, or take an integrator of fixed steps"
+    )]
+    StepTooShort { integrator: String, time: f64, step: f64 },
     #[error("{integrator} needs {need}, but {found}: {mend}")]
     Integrator { integrator: String, need: String, found: String, mend: String },
     #[error("{domain}.{property} is borrowed by the client: let go of it first")]

@@ -5,7 +5,11 @@ pub use crate::domain::{AsProperty, Domain};
 pub use crate::engine::{Builder, Checkpoint, Configure, Engine, Listing};
 pub use crate::error::{Fault, Faults};
 pub use crate::field::{Boxes, Dipole, Field, FieldBox, Point, Uniform};
-pub use crate::integrate::{Integrator, Leapfrog, Part, Register, RungeKutta4, SemiImplicitEuler, Structure, System};
+pub use crate::integrate::{
+    Combination, DormandPrince5, DormandPrince8, DriftKickDrift, ExplicitEuler, GaussRadau15, Integrator, Leapfrog,
+    Midpoint, Part, Register, RungeKutta4, SemiImplicitEuler, Structure, Symplectic4, Symplectic6, Symplectic8, System,
+    Tolerance,
+};
 pub use crate::law::{ColumnLaw, DynLaw, Law, LinkLaw, PairLaw, RowLaw, Signature};
 pub use crate::pipeline;
 pub use crate::property::*;

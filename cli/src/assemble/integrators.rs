@@ -4,6 +4,9 @@ use vesper::prelude::*;
 
 use crate::fault::help_for;
 
+/// What a scene says for an option: its name, and what it is where the scene does not say.
+pub type Ask<'a> = &'a dyn Fn(&str, f64) -> f64;
+
 /// An integrator that a scene can name.
 #[derive(Clone, Copy, Debug)]
 pub struct NamedIntegrator {
@@ -11,28 +14,91 @@ pub struct NamedIntegrator {
     pub name: &'static str,
     /// What it is, in a line.
     pub about: &'static str,
+    /// The options that a scene can give it.
+    pub options: &'static [&'static str],
     /// Makes one.
-    pub make: fn() -> Box<dyn Integrator>,
+    pub make: fn(Ask<'_>) -> Box<dyn Integrator>,
 }
 
 /// All integrators.
 pub const INTEGRATORS: &[NamedIntegrator] = &[
     NamedIntegrator {
+        name: "explicit_euler",
+        about: "order 1, one evaluation per step; a yardstick",
+        options: &[],
+        make: |_| Box::new(ExplicitEuler),
+    },
+    NamedIntegrator {
         name: "semi_implicit_euler",
         about: "order 1, one evaluation per step, symplectic",
-        make: || Box::new(SemiImplicitEuler),
+        options: &[],
+        make: |_| Box::new(SemiImplicitEuler),
+    },
+    NamedIntegrator {
+        name: "midpoint",
+        about: "order 2, two evaluations per step",
+        options: &[],
+        make: |_| Box::new(Midpoint),
     },
     NamedIntegrator {
         name: "leapfrog",
         about: "order 2, one evaluation per step, symplectic (the default)",
-        make: || Box::new(Leapfrog::default()),
+        options: &[],
+        make: |_| Box::new(Leapfrog::default()),
+    },
+    NamedIntegrator {
+        name: "drift_kick_drift",
+        about: "leapfrog, drift first: order 2, one evaluation per step, symplectic",
+        options: &[],
+        make: |_| Box::new(DriftKickDrift),
     },
     NamedIntegrator {
         name: "runge_kutta_4",
         about: "order 4, four evaluations per step",
-        make: || Box::new(RungeKutta4),
+        options: &[],
+        make: |_| Box::new(RungeKutta4),
+    },
+    NamedIntegrator {
+        name: "symplectic_4",
+        about: "order 4, six evaluations per step, symplectic",
+        options: &[],
+        make: |_| Box::new(Symplectic4::default()),
+    },
+    NamedIntegrator {
+        name: "symplectic_6",
+        about: "order 6, ten or eleven evaluations per step, symplectic",
+        options: &[],
+        make: |_| Box::new(Symplectic6::default()),
+    },
+    NamedIntegrator {
+        name: "symplectic_8",
+        about: "order 8, seventeen evaluations per step, symplectic",
+        options: &[],
+        make: |_| Box::new(Symplectic8::default()),
+    },
+    NamedIntegrator {
+        name: "dormand_prince_5",
+        about: "order 5, adaptive, six evaluations per step",
+        options: &["rtol", "atol"],
+        make: |option| Box::new(DormandPrince5::new(tolerance(option, DormandPrince5::default().tolerance))),
+    },
+    NamedIntegrator {
+        name: "dormand_prince_8",
+        about: "order 8, adaptive, twelve evaluations per step",
+        options: &["rtol", "atol"],
+        make: |option| Box::new(DormandPrince8::new(tolerance(option, DormandPrince8::default().tolerance))),
+    },
+    NamedIntegrator {
+        name: "gauss_radau_15",
+        about: "order 15, adaptive, to rounding, about twenty evaluations per step",
+        options: &["precision"],
+        make: |option| Box::new(GaussRadau15::new(option("precision", GaussRadau15::default().precision))),
     },
 ];
+
+fn tolerance(option: Ask<'_>, usual: Tolerance) -> Tolerance {
+    Tolerance { relative: option("rtol", usual.relative), absolute: option("atol", usual.absolute) }
+}
 
 /// What people call them elsewhere; hints, not names that a scene could use.
 const ELSEWHERE: &[(&str, &str)] = &[
@@ -43,7 +109,19 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("verlet", "leapfrog"),
     ("velocity_verlet", "leapfrog"),
     ("stormer_verlet", "leapfrog"),
+    ("position_verlet", "drift_kick_drift"),
+    ("dkd", "drift_kick_drift"),
     ("euler", "semi_implicit_euler"),
+    ("forward_euler", "explicit_euler"),
+    ("rk2", "midpoint"),
+    ("yoshida", "symplectic_4"),
+    ("forest_ruth", "symplectic_4"),
+    ("rk45", "dormand_prince_5"),
+    ("dopri5", "dormand_prince_5"),
+    ("ode45", "dormand_prince_5"),
+    ("dop853", "dormand_prince_8"),
+    ("ias15", "gauss_radau_15"),
+    ("radau", "gauss_radau_15"),
     ("symplectic_euler", "semi_implicit_euler"),
     ("euler_cromer", "semi_implicit_euler"),
 ];
@@ -60,6 +138,11 @@ pub fn help(name: &str) -> Option<String> {
 /// The one that scenes get which name none.
 pub const DEFAULT: &str = "leapfrog";
 
+/// Whether the integrator of this name chooses its own steps.
+pub fn is_adaptive(name: &str) -> bool {
+    integrator(name).is_some_and(|known| (known.make)(&|_, usual| usual).is_adaptive())
+}
+
 /// The integrator of this name.
 pub fn integrator(name: &str) -> Option<&'static NamedIntegrator> {
     INTEGRATORS.iter().find(|known| known.name == name)
@@ -72,7 +155,7 @@ mod tests {
     #[test]
     fn each_has_its_own_name() {
         for known in INTEGRATORS {
-            assert_eq!((known.make)().name(), known.name);
+            assert_eq!((known.make)(&|_, usual| usual).name(), known.name);
         }
         assert!(integrator(DEFAULT).is_some());
         assert!(

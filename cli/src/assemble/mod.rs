@@ -13,8 +13,9 @@ use vesper::prelude::*;
 use vesper::registry::Backend;
 use vesper_laws::catalog::CatalogPrecision;
 
-use crate::fault::{SceneFault, Span, Spanned};
+use crate::fault::{SceneFault, Span, Spanned, help_for};
 use crate::scene::{BackendChoice, ColumnData, DomainData, FieldData, FieldShape, Parameter, Scene};
+use integrators::NamedIntegrator;
 use laws::factor;
 
 /// More threads than this are a slip of the finger.
@@ -302,6 +303,22 @@ impl Notes<'_> {
         backend
     }
 
+    /// Faults an option of an integrator that it does not have, or a value that it cannot take.
+    fn integrator_option(&mut self, known: &NamedIntegrator, option: &Parameter) {
+        let name = option.name.value.as_str();
+        if !known.options.contains(&name) {
+            let help = match known.options {
+                [] => None,
+                options => help_for(name, options.iter().copied()),
+            };
+            return self.fault(option.name.span, format!("`{}` has no option `{name}`", known.name), help);
+        }
+        match option.value[..] {
+            [value] if value > 0.0 && value.is_finite() || name == "atol" && value == 0.0 => {}
+            _ => self.fault(option.value_span, format!("expected a number above 0 for `{name}`"), None),
+        }
+    }
+
     /// Integrator, step, backend, threads, strictness, observers.
     fn settings<P: CatalogPrecision>(&mut self, mut builder: Builder<P>) -> Builder<P> {
         let scene = self.scene;
@@ -309,17 +326,24 @@ impl Notes<'_> {
         if let Some(choice) = &engine.integrator {
             let name = choice.name.value.as_str();
             match integrators::integrator(name) {
-                Some(known) => builder = builder.boxed_integrator((known.make)()),
+                Some(known) => {
+                    choice.options.iter().for_each(|option| self.integrator_option(known, option));
+                    let given = |wanted: &str| choice.options.iter().find(|option| option.name.value == wanted);
+                    let value = |wanted: &str, usual: f64| given(wanted).map_or(usual, |option| option.value[0]);
+                    builder = builder.boxed_integrator((known.make)(&value));
+                }
                 None => {
                     self.fault(choice.name.span, format!("no integrator is named `{name}`"), integrators::help(name));
                 }
             }
-            for option in choice.options.iter().filter(|_| integrators::integrator(name).is_some()) {
-                self.fault(option.name.span, format!("`{name}` has no option `{}`", option.name.value), None);
-            }
         }
-        if let Some(step) = engine.step.as_ref().or(engine.frame.as_ref()) {
+        let adaptive = engine.integrator.as_ref().is_some_and(|choice| integrators::is_adaptive(&choice.name.value));
+        // An adaptive integrator begins with the step of the scene, but it finds a better one than the frame by itself.
+        if let Some(step) = engine.step.as_ref().or(engine.frame.as_ref().filter(|_| !adaptive)) {
             builder = builder.step(step.value);
+        }
+        if engine.compensated.as_ref().is_some_and(|compensated| compensated.value) {
+            builder = builder.compensated();
         }
         if let Some(backend) = self.backend(engine.backend.as_ref()) {
             builder = builder.backend(backend);

@@ -8,7 +8,7 @@ use vesper::engine::{ColumnData, DomainData};
 use vesper::prelude::Checkpoint;
 
 /// The format; another number is another one.
-const VERSION: u64 = 1;
+const VERSION: u64 = 2;
 
 /// A checkpoint as JSON.
 pub fn to_json(checkpoint: &Checkpoint) -> Value {
@@ -41,7 +41,7 @@ pub fn to_json(checkpoint: &Checkpoint) -> Value {
         "remainder": checkpoint.remainder,
         "clock": { "time": time, "since": since, "step": step },
         "evaluations": checkpoint.evaluations,
-        "remembers": checkpoint.remembers,
+        "memory": checkpoint.memory,
         "domains": checkpoint.domains.iter().map(domain).collect::<Vec<_>>(),
         "registers": checkpoint.registers,
         "held": checkpoint.held,
@@ -68,9 +68,9 @@ pub fn from_text(text: &str) -> Result<Checkpoint, String> {
         remainder: root.field("remainder")?.number()?,
         clock: (clock.field("time")?.number()?, clock.field("since")?.count()?, clock.field("step")?.number()?),
         evaluations: root.field("evaluations")?.count()?,
-        remembers: root.field("remembers")?.flag()?,
+        memory: root.field("memory")?.list(Reader::number)?,
         domains: root.field("domains")?.list(domain)?,
-        registers: root.field("registers")?.list(|register| register.list(|part| part.list(Reader::number)))?,
+        registers: root.field("registers")?.list(|register| register.list(Reader::number))?,
         held: root.field("held")?.list(|held| held.list(|part| part.list(Reader::number)))?,
         filled: root.field("filled")?.list(Reader::flag)?,
     })
@@ -159,14 +159,14 @@ mod tests {
             remainder: 1e-17,
             clock: (0.7, 3, 1e-3),
             evaluations: 12,
-            remembers: true,
+            memory: vec![1.0],
             domains: vec![DomainData {
                 name: "a \"b\"".to_owned(),
                 rows: 5,
                 columns: vec![column.clone()],
                 previous: vec![column],
             }],
-            registers: vec![vec![vec![1.5, 2.0 / 3.0]], vec![]],
+            registers: vec![vec![1.5, 2.0 / 3.0], vec![]],
             held: vec![vec![vec![]]],
             filled: vec![true, false],
         }
@@ -185,10 +185,10 @@ mod tests {
         let text = to_json(&example()).to_string();
         let cases = [
             ("{", "it is no JSON"),
-            ("{}", "it is no checkpoint of version 1"),
+            ("{}", "it is no checkpoint of version 2"),
             (&text.replace("\"steps\":", "\"stps\":"), "expected `steps` at its root"),
-            (&text.replace("\"remembers\":true", "\"remembers\":1"), "expected true or false at /remembers"),
-            (&text.replace("[[[1.5,", "[[[null,"), "expected a finite number at /registers/../../.."),
+            (&text.replace("\"filled\":[true", "\"filled\":[1"), "expected true or false at /filled/.."),
+            (&text.replace("[[1.5,", "[[null,"), "expected a finite number at /registers/../.."),
         ];
         for (text, expected) in cases {
             let found = from_text(text).unwrap_err();

@@ -36,6 +36,9 @@ fn write(text: &mut String, scene: &Scene, outcome: &Outcome) -> fmt::Result {
         rounded(outcome.wall_seconds, 3),
         rounded(outcome.wall_seconds / steps, 2),
     )?;
+    if outcome.rejected > 0 {
+        writeln!(text, "{} more tried and given up", plural(outcome.rejected as usize, "step"))?;
+    }
     if let Some((last, step)) = outcome.short_step {
         writeln!(text, "the last step is {} s, not {} s, to come to the end", rounded(last, 4), rounded(step, 4))?;
     }

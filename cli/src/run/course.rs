@@ -8,8 +8,12 @@
 
 use vesper::prelude::*;
 
-use crate::fault::{SceneFault, number};
+use crate::assemble::integrators::is_adaptive;
+use crate::fault::{SceneFault, Spanned, number};
 use crate::scene::Scene;
+
+/// Frames of a run by an adaptive integrator whose scene does not say their length.
+const ADAPTIVE_FRAMES: f64 = 200.0;
 
 /// Beyond this a count of steps is no longer exact in f64.
 const MOST_STEPS: f64 = 1e15;
@@ -20,7 +24,7 @@ pub struct Course {
     /// Time at step `since`, from which the engine counts, in s.
     origin: f64,
     since: u64,
-    /// Fixed step, in s.
+    /// Fixed step, in s; a frame, where the integrator chooses its own.
     pub step: f64,
     /// Start of the scene, in s: frames and dates count from here.
     pub start: f64,
@@ -40,14 +44,23 @@ impl Course {
         let mut missing = |text: &str, help: &str| {
             faults.push(SceneFault { help: Some(help.to_owned()), ..scene.fault_of_file(text) });
         };
+        let adaptive = engine.integrator.as_ref().is_some_and(|choice| is_adaptive(&choice.name.value));
         let step = engine.step.as_ref().or(engine.frame.as_ref());
-        if step.is_none() {
+        if step.is_none() && !adaptive {
             missing("the scene has no step", "write `step = ..` into [engine], or run with --step S");
         }
         if engine.end.is_none() {
             missing("the scene has no end", "write `end = ..` into [engine], or run with --end S");
         }
-        let (Some(step), Some(end)) = (step, &engine.end) else { return Err(faults) };
+        let Some(end) = &engine.end else { return Err(faults) };
+        let shown = Spanned { value: (end.value - start) / ADAPTIVE_FRAMES, span: end.span };
+        let step = match (step, &engine.frame) {
+            // Its own steps are within the frames.
+            (_, Some(frame)) if adaptive => frame,
+            _ if adaptive => &shown,
+            (Some(step), _) => step,
+            (None, _) => return Err(faults),
+        };
         let frame = engine.frame.as_ref().map_or(step.value, |frame| frame.value);
         if end.value < start {
             let text = format!("the end, {} s, is before the start, {} s", number(end.value), number(start));

@@ -126,7 +126,9 @@ impl<'s, P: CatalogPrecision> Ready<'s, P> {
         outcome.compared.iter_mut().for_each(|rows| rows.sort_by_key(|row| row.row));
         let engine = &self.engine;
         outcome.time = engine.time();
-        outcome.steps = engine.steps();
+        let [rejected, accepted] = engine.tried_steps();
+        outcome.steps = if accepted > 0 { accepted } else { engine.steps() };
+        outcome.rejected = rejected;
         outcome.evaluations = engine.evaluations();
         outcome.integrator = engine.integrator().name().to_owned();
         outcome.domains = snapshot(engine, &columns);

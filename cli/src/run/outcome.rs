@@ -49,8 +49,10 @@ pub struct Compared {
 pub struct Outcome {
     /// Time reached, in s.
     pub time: f64,
-    /// Steps taken, since the scene's start.
+    /// Steps taken, since the scene's start; an adaptive integrator's own.
     pub steps: u64,
+    /// Steps that an adaptive integrator tried and gave up.
+    pub rejected: u64,
     /// The length of a last step that was shorter than the others, and theirs, in s.
     pub short_step: Option<(f64, f64)>,
     /// Evaluations of the laws, since the scene's start.

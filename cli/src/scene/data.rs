@@ -70,6 +70,8 @@ pub struct EngineSettings {
     pub threads: Option<Spanned<usize>>,
     /// Whether a dormant law is an error.
     pub strict: Option<Spanned<bool>>,
+    /// Whether rounding errors of the state are kept and added back.
+    pub compensated: Option<Spanned<bool>>,
     /// Columns to observe, as `domain.property`; `None` means every state property.
     pub observe: Option<Vec<Spanned<String>>>,
 }

@@ -16,8 +16,8 @@ const BACKENDS: [(&str, BackendChoice); 4] = [
 ];
 
 /// Keys of `[engine]`.
-pub(crate) const ENGINE: [&str; 9] =
-    ["precision", "integrator", "step", "frame", "end", "backend", "threads", "strict", "observe"];
+pub(crate) const ENGINE: [&str; 10] =
+    ["precision", "integrator", "step", "frame", "end", "backend", "threads", "strict", "compensated", "observe"];
 
 /// `[engine]`.
 pub(crate) fn engine(walk: &mut Walk, node: &Node) -> EngineSettings {
@@ -37,6 +37,7 @@ pub(crate) fn engine(walk: &mut Walk, node: &Node) -> EngineSettings {
             "backend" => settings.backend = walk.choice(node, &BACKENDS),
             "threads" => settings.threads = walk.count_from(node, 1),
             "strict" => settings.strict = walk.flag(node),
+            "compensated" => settings.compensated = walk.flag(node),
             "observe" => settings.observe = observe(walk, node),
             _ => {}
         }

@@ -90,6 +90,11 @@ const ENGINES: &[(&str, &str)] = &[
     ("step = 1\nend = 1\nintegrator = \"rk4\"", "4:14: no integrator is named `rk4`; did you mean `runge_kutta_4`?"),
     ("step = 1\nend = 1\nintegrator = \"KDK\"", "4:14: no integrator is named `KDK`; did you mean `leapfrog`?"),
     ("step = 1\nend = 1\nintegrator = { name = \"leapfrog\", rtol = 1e-9 }", "4:35: `leapfrog` has no option `rtol`"),
+    (
+        "end = 1\nintegrator = { name = \"dormand_prince_8\", rtoll = 1e-9 }",
+        "3:43: `dormand_prince_8` has no option `rtoll`; did you mean `rtol`?",
+    ),
+    ("end = 1\nintegrator = { name = \"dormand_prince_5\", rtol = 0 }", "3:50: expected a number above 0 for `rtol`"),
     ("step = 1\nend = 1\nbackend = \"gpu\"", "4:11: this build has no GPU backend; use auto, cpu or parallel"),
     ("step = 1\nend = 1\nthreads = 100000", "4:11: expected at most 1024 threads, found 100000"),
     (

@@ -162,7 +162,7 @@ impl<P: Scalar> Engine<P> {
         self.steps = steps;
         let time = P::from_f64(self.time());
         self.state.set_time(time);
-        self.integrator.restart();
+        self.restart();
     }
 
     /// Goes through the frame again, step by step, up to the one that blows up, and names the first law that does.

@@ -140,6 +140,7 @@ pub struct Builder<P: Scalar> {
     observe: Vec<(String, String)>,
     required: Vec<String>,
     strict: bool,
+    compensated: bool,
     backend: Backend,
     threads: Option<usize>,
     isa: Option<Isa>,
@@ -165,6 +166,7 @@ impl<P: Scalar> Default for Builder<P> {
             observe: Vec::new(),
             required: Vec::new(),
             strict: false,
+            compensated: false,
             backend: Backend::Auto,
             threads: None,
             isa: None,
@@ -240,10 +242,19 @@ impl<P: Scalar> Builder<P> {
         self
     }
 
-    /// The fixed step, in s. Without one every frame is one step.
+    /// The fixed step, in s. Without one every frame is one step. An adaptive integrator takes it as its first try, and
+    /// ends a step of its own with every frame.
     #[must_use]
     pub fn step(mut self, seconds: f64) -> Self {
         self.step = Some(seconds);
+        self
+    }
+
+    /// Keeps the rounding error of every addition to the state, and adds it back (Kahan's sum): for long runs of small
+    /// steps, and for f32. Costs a vector as long as the state, and loops of their own for kicks and drifts.
+    #[must_use]
+    pub fn compensated(mut self) -> Self {
+        self.compensated = true;
         self
     }
 
@@ -331,7 +342,7 @@ impl<P: Scalar> Builder<P> {
             &mut state,
             &*self.integrator,
             &self.observe,
-            self.strict,
+            (self.strict, self.compensated),
             &machine,
         );
         let pipeline = match pipeline {
@@ -340,19 +351,27 @@ impl<P: Scalar> Builder<P> {
         };
         log_changes(&Report::default(), &pipeline.registry.report);
         let time = state.time().to_f64();
+        let mut integrator = self.integrator;
+        if let Some(step) = self.step {
+            integrator.set_first_step(step);
+        }
+        let fixed = self.step.filter(|_| !integrator.is_adaptive());
+        let step = fixed.map(|step| FixedStep { step, per_second: 1.0 / step });
         let mut engine = Engine {
             state,
             laws: self.laws,
             chains: self.chains,
-            integrator: self.integrator,
+            integrator,
             pipeline,
             machine,
             observe: self.observe,
             strict: self.strict,
-            step: self.step.map(|step| FixedStep { step, per_second: 1.0 / step }),
+            compensated: self.compensated,
+            step,
             remainder: 0.0,
             steps: 0,
             evaluations: 0,
+            tried: [0; 2],
             clock: Clock { time, since: 0, step: 0.0 },
             touched: false,
             stale: false,

@@ -24,12 +24,12 @@ pub struct Checkpoint {
     pub clock: (f64, u64, f64),
     /// Evaluations of the laws.
     pub evaluations: u64,
-    /// Whether the integrator goes on from the last step's rates.
-    pub remembers: bool,
+    /// What the integrator remembers from step to step besides its vectors.
+    pub memory: Vec<f64>,
     /// The domains with their given columns.
     pub domains: Vec<DomainData>,
-    /// Rates and the integrator's vectors: one list of numbers for each component.
-    pub registers: Vec<Vec<Vec<f64>>>,
+    /// Rates, the integrator's vectors, and the rounding errors of a compensated state.
+    pub registers: Vec<Vec<f64>>,
     /// Shares of laws that are not evaluated on every step.
     pub held: Vec<Vec<Vec<f64>>>,
     /// Whether each of these has been computed.
@@ -85,9 +85,9 @@ impl<P: Scalar> Engine<P> {
             remainder: self.remainder,
             clock: (self.clock.time, self.clock.since, self.clock.step),
             evaluations: self.evaluations,
-            remembers: self.integrator.memory() && !self.touched && !self.stale,
+            memory: if self.touched || self.stale { Vec::new() } else { self.integrator.memory() },
             domains: (0..self.state.domains().len()).map(|domain| self.domain_data(domain)).collect(),
-            registers: vectors.registers.iter().map(|register| register.iter().map(numbers).collect()).collect(),
+            registers: vectors.registers.iter().map(numbers).collect(),
             held: vectors
                 .held
                 .iter()
@@ -154,7 +154,7 @@ impl<P: Scalar> Engine<P> {
         self.evaluations = checkpoint.evaluations;
         self.touched = false;
         let vectors = &mut self.pipeline.vectors;
-        let registers = vectors.registers.iter_mut().flatten().zip(checkpoint.registers.iter().flatten());
+        let registers = vectors.registers.iter_mut().zip(&checkpoint.registers);
         let held = vectors.held.iter_mut().flat_map(|(_, shares)| shares.iter_mut().map(|(_, share)| share));
         let mut whole = true;
         for (array, numbers) in registers.chain(held.zip(checkpoint.held.iter().flatten())) {
@@ -165,7 +165,7 @@ impl<P: Scalar> Engine<P> {
         }
         if whole && vectors.filled.len() == checkpoint.filled.len() {
             vectors.filled.clone_from(&checkpoint.filled);
-            self.integrator.set_memory(checkpoint.remembers);
+            self.integrator.set_memory(&checkpoint.memory);
         }
         self.lent_memory_changed();
         self.observe()

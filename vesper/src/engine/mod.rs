@@ -29,12 +29,15 @@ pub struct Engine<P: Scalar> {
     machine: Machine,
     observe: Vec<(String, String)>,
     strict: bool,
+    compensated: bool,
     /// The fixed step, in s; `None` takes every frame as one step.
     step: Option<FixedStep>,
     /// The part of past frames that no step has covered, in s.
     remainder: f64,
     steps: u64,
     evaluations: u64,
+    /// Steps that an adaptive integrator gave up, and those that it kept.
+    tried: [u64; 2],
     /// Time at step `since`, from which steps are counted, so that the time does not gather rounding errors.
     clock: Clock,
     /// The client may have changed values since the last step.
@@ -178,30 +181,41 @@ impl<P: Scalar> Engine<P> {
         }
         let (clock, first) = (self.clock, self.steps);
         let integrator = &mut self.integrator;
-        let (steps, evaluations) = with_runner(
+        let (steps, time, evaluations, tried, done) = with_runner(
             &mut self.pipeline,
             &self.state,
             (&self.laws, &self.chains, &self.machine),
             (clock.at(first), first),
             |runner| {
+                let mut done = Ok(());
                 for _ in 0..count {
-                    integrator.step(runner, step);
+                    done = integrator.step(runner, step);
+                    if done.is_err() {
+                        break;
+                    }
                     runner.step += 1;
                     runner.set_time(clock.at(runner.step));
                     if runner.pipeline.amends {
                         runner.run(Key::Amend);
                         // The state moved after the rates that the integrator remembers.
                         integrator.restart();
+                        runner.pipeline.vectors.forget_errors();
                     }
                 }
                 if runner.pipeline.observes {
                     runner.run(Key::Observe);
                 }
-                (runner.step, runner.evaluations)
+                (runner.step, runner.time, runner.evaluations, runner.tried, done)
             },
         )?;
         self.steps = steps;
         self.evaluations += evaluations;
+        self.tried = [self.tried[0] + tried[0], self.tried[1] + tried[1]];
+        if let Err(fault) = done {
+            // It may have come some way.
+            self.clock = Clock { time, since: steps, step };
+            return Err(fault.into());
+        }
         blow_up::check(&self.pipeline, &self.state, self.machine.isa, (self.steps, self.time()))
     }
 
@@ -216,13 +230,19 @@ impl<P: Scalar> Engine<P> {
                 // The client set the clock.
                 self.clock = Clock { time: self.state.time().to_f64(), since: self.steps, ..self.clock };
             }
-            self.integrator.restart();
+            self.restart();
             self.touched = false;
         }
         if self.pipeline.lends && self.lent_memory_changed() {
-            self.integrator.restart();
+            self.restart();
         }
         Ok(())
+    }
+
+    /// The state was changed by another hand than the integrator's.
+    fn restart(&mut self) {
+        self.integrator.restart();
+        self.pipeline.vectors.forget_errors();
     }
 
     /// Whether the client may have changed what it lends since this was last asked.
@@ -257,7 +277,7 @@ impl<P: Scalar> Engine<P> {
             &mut self.state,
             &*self.integrator,
             &self.observe,
-            self.strict,
+            (self.strict, self.compensated),
             &self.machine,
         );
         match rebuilt {
@@ -286,6 +306,11 @@ impl<P: Scalar> Engine<P> {
     /// How often the laws were evaluated.
     pub fn evaluations(&self) -> u64 {
         self.evaluations
+    }
+
+    /// Steps that an adaptive integrator gave up, and those that it kept; both 0 for others.
+    pub fn tried_steps(&self) -> [u64; 2] {
+        self.tried
     }
 
     /// The integrator.

@@ -99,10 +99,10 @@ impl Graph {
         (amenders, needs)
     }
 
-    /// Whether the rates of the momenta depend on momenta: a force that depends on the velocity.
-    pub(crate) fn momenta_depend_on_momenta(&self, entries: &[Entry], registry: &Registry) -> bool {
+    /// A momentum that the rates of the momenta depend on: a force that depends on the velocity.
+    pub(crate) fn momenta_depend_on_momentum(&self, entries: &[Entry], registry: &Registry) -> Option<QuantityId> {
         let needs = self.all_needs(Part::Momenta, entries, registry);
-        needs.iter().any(|&id| matches!(registry.quantities[id].info.role, Role::Momentum(_)))
+        needs.into_iter().find(|&id| matches!(registry.quantities[id].info.role, Role::Momentum(_)))
     }
 
     /// What the rates of the coordinates depend on besides momenta: a coordinate, or the time.

@@ -12,8 +12,9 @@
 //! Sources: Verlet, Phys. Rev. 159 (1967) 98; Swope et al., J. Chem. Phys. 76 (1982) 637, for the velocity form; the
 //! predicted kick is the trapezoidal rule with one fixed-point iteration.
 
-use super::{Integrator, Part, Register, Structure, System};
+use super::{Integrator, Register, Structure, System};
 use crate::error::Fault;
+use crate::law::Part;
 
 /// Leapfrog (velocity Verlet): order 2, one evaluation per step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -38,21 +39,15 @@ impl Integrator for Leapfrog {
     }
 
     fn accept(&self, structure: &Structure) -> Result<(), Fault> {
-        match structure.others.first() {
-            None => Ok(()),
-            Some(state) => Err(Fault::Integrator {
-                integrator: self.name().to_owned(),
-                need: "every state to be a coordinate or a momentum".to_owned(),
-                found: format!("{state} is neither"),
-                mend: "take runge_kutta_4".to_owned(),
-            }),
-        }
+        structure.without_others(self.name())
     }
 
     fn remark(&self, structure: &Structure) -> Option<String> {
-        let kick = structure.momenta_depend_on_momenta.then(|| {
-            "a rate of momentum depends on momentum: the second kick is predicted and evaluated again, two evaluations per step"
-                .to_owned()
+        let kick = structure.momenta_depend_on_momenta.as_ref().map(|momentum| {
+            format!(
+                "a rate of a momentum depends on {momentum}: the second kick is predicted and evaluated again, two evaluations \
+                 per step"
+            )
         });
         let drift = structure.coordinates_depend_on.as_ref().map(|other| {
             format!("a rate of a coordinate depends on {other}: the drift is a midpoint step, no longer symplectic")
@@ -61,20 +56,21 @@ impl Integrator for Leapfrog {
         (!remarks.is_empty()).then(|| remarks.join("; "))
     }
 
-    fn step(&mut self, system: &mut dyn System, step: f64) {
+    fn step(&mut self, system: &mut dyn System, step: f64) -> Result<(), Fault> {
         let half = 0.5 * step;
         if !self.remembers {
             system.evaluate(Part::Momenta);
         }
-        system.axpy(Register::State, half, Register::Rates, Part::Momenta);
+        system.add(Register::State, &[(half, Register::Rates)], Part::Momenta);
         let start = system.time();
         if system.coordinates_depend_on_others() {
             system.copy(SAVED, Register::State, Part::Coordinates);
-            system.advance(&[(Part::Coordinates, half)]);
+            system.evaluate(Part::Coordinates);
+            system.combine(Register::State, &[(half, Register::Rates), (1.0, SAVED)], Part::Coordinates);
             system.set_time(start + half);
             system.evaluate(Part::Coordinates);
             system.copy(Register::State, SAVED, Part::Coordinates);
-            system.axpy(Register::State, step, Register::Rates, Part::Coordinates);
+            system.add(Register::State, &[(step, Register::Rates)], Part::Coordinates);
         } else {
             system.advance(&[(Part::Coordinates, step)]);
         }
@@ -82,23 +78,24 @@ impl Integrator for Leapfrog {
         system.evaluate(Part::Momenta);
         if system.momenta_depend_on_momenta() {
             system.copy(SAVED, Register::State, Part::Momenta);
-            system.axpy(Register::State, half, Register::Rates, Part::Momenta);
+            system.combine(Register::State, &[(half, Register::Rates), (1.0, SAVED)], Part::Momenta);
             system.evaluate(Part::Momenta);
             system.copy(Register::State, SAVED, Part::Momenta);
         }
-        system.axpy(Register::State, half, Register::Rates, Part::Momenta);
+        system.add(Register::State, &[(half, Register::Rates)], Part::Momenta);
         self.remembers = true;
+        Ok(())
     }
 
     fn restart(&mut self) {
         self.remembers = false;
     }
 
-    fn memory(&self) -> bool {
-        self.remembers
+    fn memory(&self) -> Vec<f64> {
+        if self.remembers { vec![1.0] } else { Vec::new() }
     }
 
-    fn set_memory(&mut self, remembers: bool) {
-        self.remembers = remembers;
+    fn set_memory(&mut self, memory: &[f64]) {
+        self.remembers = !memory.is_empty();
     }
 }

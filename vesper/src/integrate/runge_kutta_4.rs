@@ -5,7 +5,9 @@
 //!
 //! Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed., II.1, table 1.2.
 
-use super::{Integrator, Part, Register, System};
+use super::{Integrator, Register, System};
+use crate::error::Fault;
+use crate::law::Part;
 
 /// The classical Runge-Kutta method: order 4, four evaluations per step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,21 +29,22 @@ impl Integrator for RungeKutta4 {
         2
     }
 
-    fn step(&mut self, system: &mut dyn System, step: f64) {
+    fn step(&mut self, system: &mut dyn System, step: f64) -> Result<(), Fault> {
         let time = system.time();
         system.copy(START, Register::State, Part::All);
         system.zero(SUM, Part::All);
         // (weight of the stage, how far the next stage goes along its rates)
         for (weight, next) in [(1.0, Some(0.5)), (2.0, Some(0.5)), (2.0, Some(1.0)), (1.0, None)] {
             system.evaluate(Part::All);
-            system.axpy(SUM, weight, Register::Rates, Part::All);
-            system.copy(Register::State, START, Part::All);
+            system.add(SUM, &[(weight, Register::Rates)], Part::All);
             if let Some(fraction) = next {
-                system.axpy(Register::State, fraction * step, Register::Rates, Part::All);
+                system.combine(Register::State, &[(fraction * step, Register::Rates), (1.0, START)], Part::All);
                 system.set_time(time + fraction * step);
             }
         }
-        system.axpy(Register::State, step / 6.0, SUM, Part::All);
+        system.copy(Register::State, START, Part::All);
+        system.add(Register::State, &[(step / 6.0, SUM)], Part::All);
         system.set_time(time + step);
+        Ok(())
     }
 }

@@ -5,7 +5,9 @@
 //!
 //! Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., I.1.2, eq. 1.9.
 
-use super::{Integrator, Part, System};
+use super::{Integrator, System};
+use crate::error::Fault;
+use crate::law::Part;
 
 /// Semi-implicit Euler: order 1, one evaluation per step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -20,8 +22,9 @@ impl Integrator for SemiImplicitEuler {
         1
     }
 
-    fn step(&mut self, system: &mut dyn System, step: f64) {
+    fn step(&mut self, system: &mut dyn System, step: f64) -> Result<(), Fault> {
         system.advance(&[(Part::Momenta, step), (Part::Coordinates, step)]);
         system.set_time(system.time() + step);
+        Ok(())
     }
 }

@@ -34,6 +34,7 @@ impl core::fmt::Debug for DynLaw {
 pub struct DynLawBuilder {
     name: String,
     domain: Option<String>,
+    second_order: bool,
     inputs: Vec<Port>,
     outputs: Vec<Port>,
     /// What rates depend on, where not on everything: (output, names of inputs).
@@ -44,7 +45,14 @@ impl DynLaw {
     /// Begins the declaration of a law of this name.
     #[allow(clippy::new_ret_no_self, reason = "a law begins as its declaration")]
     pub fn new(name: &str) -> DynLawBuilder {
-        DynLawBuilder { name: name.to_owned(), domain: None, inputs: Vec::new(), outputs: Vec::new(), from: Vec::new() }
+        DynLawBuilder {
+            name: name.to_owned(),
+            domain: None,
+            second_order: false,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            from: Vec::new(),
+        }
     }
 
     /// What the law touches.
@@ -117,6 +125,13 @@ impl DynLawBuilder {
         self.rates(property)
     }
 
+    /// Says that the rate of each coordinate is its momentum, in every row that moves: methods for x'' = f(x) may use it.
+    #[must_use]
+    pub fn second_order(mut self) -> Self {
+        self.second_order = true;
+        self
+    }
+
     /// A state that the body corrects after a step.
     #[must_use]
     pub fn amends(mut self, property: impl AsProperty) -> Self {
@@ -128,7 +143,7 @@ impl DynLawBuilder {
     /// numbers of everything it changes.
     #[must_use]
     pub fn body(self, body: impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static) -> DynLaw {
-        let DynLawBuilder { name, domain, inputs, mut outputs, from } = self;
+        let DynLawBuilder { name, domain, second_order, inputs, mut outputs, from } = self;
         for (output, names) in from {
             let bits = inputs.iter().enumerate().filter(|(_, input)| names.contains(&input.property.name));
             outputs[output].from = bits.filter(|(bit, _)| *bit < 64).map(|(bit, _)| 1 << bit).sum();
@@ -141,6 +156,7 @@ impl DynLawBuilder {
             ports: Box::leak(ports.into_boxed_slice()),
             parameters: &[],
             link: None,
+            second_order,
             file: "",
             line: 0,
         };

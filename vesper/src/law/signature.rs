@@ -113,6 +113,8 @@ pub struct Signature {
     pub parameters: &'static [Parameter],
     /// The link that a link law follows.
     pub link: Option<PropertyInfo>,
+    /// Whether the rate of each coordinate that it gives is that coordinate's momentum, in every row that moves at all.
+    pub second_order: bool,
     /// Source file of the declaration.
     pub file: &'static str,
     /// Line of the declaration.

@@ -13,10 +13,10 @@ mod columns;
 mod dot;
 mod explain;
 mod group;
+mod linear;
 mod merge;
 mod plan;
 mod run;
-
 mod vectors;
 
 pub(crate) use bind::{Program, program};
@@ -96,7 +96,7 @@ impl<P: Scalar> Pipeline<P> {
         state: &mut State<P>,
         integrator: &dyn Integrator,
         observe: &[(String, String)],
-        strict: bool,
+        (strict, compensated): (bool, bool),
         machine: &Machine,
     ) -> Result<Self, Faults> {
         let entries: Vec<Entry> = laws.iter().map(|law| law.entry.clone()).collect();
@@ -137,7 +137,8 @@ impl<P: Scalar> Pipeline<P> {
                 column.shown = id.is_some_and(|id| pipeline.observed.contains(&id));
             }
         }
-        pipeline.vectors = Vectors::new(&pipeline, state, integrator.work_vectors());
+        pipeline.vectors =
+            Vectors::new(&pipeline, state, integrator.work_vectors(), compensated || integrator.compensates());
         pipeline.programs =
             plans.into_iter().map(|plan| program(plan, laws, chains, &pipeline, state, machine)).collect();
         pipeline.layout = state.layout();
@@ -200,21 +201,29 @@ impl<P: Scalar> Pipeline<P> {
 
 fn structure<P: Scalar>(entries: &[Entry], registry: &Registry, graph: &Graph, state: &State<P>) -> Structure {
     let mut structure = Structure::default();
-    for (_, port, id) in registry.seats.iter().flat_map(|seat| {
-        entries[seat.law].signature.ports.iter().zip(&seat.ties).filter_map(move |(port, tie)| match tie {
-            Tie::Quantity(id) if port.mode == Mode::Rates => Some((seat, port, *id)),
-            _ => None,
-        })
-    }) {
-        let name = registry.name(id, state);
-        match port.property.role {
-            Role::Coordinate => structure.coordinates.push(name),
-            Role::Momentum(_) => structure.momenta.push(name),
-            Role::Plain | Role::Sum { .. } => structure.others.push(name),
+    let mut second_order = true;
+    for seat in &registry.seats {
+        let entry = &entries[seat.law];
+        for (port, tie) in entry.signature.ports.iter().zip(&seat.ties) {
+            let (Tie::Quantity(id), Mode::Rates) = (tie, port.mode) else { continue };
+            let name = registry.name(*id, state);
+            match port.property.role {
+                Role::Coordinate => {
+                    structure.coordinates.push(name);
+                    second_order &= entry.signature.second_order;
+                }
+                Role::Momentum(_) => structure.momenta.push(name),
+                Role::Plain | Role::Sum { .. } => structure.others.push(name),
+            }
+        }
+        if entry.options.every > 1 && structure.every.is_none() {
+            structure.every = Some(entry.label().to_owned());
         }
     }
-    structure.momenta_depend_on_momenta = graph.momenta_depend_on_momenta(entries, registry);
-    structure.coordinates_depend_on = graph.coordinates_depend_on(entries, registry).map(|id| registry.name(id, state));
+    let name = |id| registry.name(id, state);
+    structure.momenta_depend_on_momenta = graph.momenta_depend_on_momentum(entries, registry).map(name);
+    structure.coordinates_depend_on = graph.coordinates_depend_on(entries, registry).map(name);
+    structure.second_order = second_order && structure.coordinates_depend_on.is_none();
     structure
 }
 

@@ -5,7 +5,7 @@ use super::plan::Key;
 use super::{FusedChain, Listed, Machine, Pipeline};
 use crate::backend::{Kernel, LinkCall, PairCall, Strided};
 use crate::field::Field;
-use crate::integrate::{Register, System};
+use crate::integrate::{Combination, Register, System};
 use crate::law::{ColumnAccess, Part, PortView};
 use crate::property::{Property, PropertyInfo, Time};
 use crate::real::{Isa, Scalar};
@@ -127,6 +127,8 @@ pub(crate) struct Runner<'a, P: Scalar> {
     /// The number of the step, for laws that are not evaluated on every one.
     pub(crate) step: u64,
     pub(crate) evaluations: u64,
+    /// Steps that an adaptive integrator gave up, and those that it kept.
+    pub(crate) tried: [u64; 2],
 }
 
 impl<'a, P: Scalar> Runner<'a, P> {
@@ -153,7 +155,7 @@ impl<'a, P: Scalar> Runner<'a, P> {
             watch: None,
         };
         let clock = super::bind::locate_column(state, 0, Time::NAME, 0).map(|place| place.base.resolve(lent));
-        let mut runner = Runner { pipeline, context, clock, time, step, evaluations: 0 };
+        let mut runner = Runner { pipeline, context, clock, time, step, evaluations: 0, tried: [0; 2] };
         runner.set_time(time);
         runner
     }
@@ -173,31 +175,6 @@ impl<'a, P: Scalar> Runner<'a, P> {
             }
         }
         energy
-    }
-
-    fn elementwise(&self, to: Register, from: Register, part: Part, each: impl Fn(P, P) -> P) {
-        self.pipeline.vectors.for_each(
-            to,
-            from,
-            part,
-            self.context.lent,
-            |(to, to_stride), (from, from_stride), count| {
-                if to_stride == 1 && from_stride == 1 && !core::ptr::eq(to, from) {
-                    // SAFETY: both vectors have `count` numbers here, and are different arrays; the runner holds the state.
-                    let (to, from) = unsafe {
-                        (core::slice::from_raw_parts_mut(to, count), core::slice::from_raw_parts(from, count))
-                    };
-                    for (to, from) in to.iter_mut().zip(from) {
-                        *to = each(*to, *from);
-                    }
-                    return;
-                }
-                for row in 0..count {
-                    // SAFETY: as above, `stride` apart.
-                    unsafe { *to.add(row * to_stride) = each(*to.add(row * to_stride), *from.add(row * from_stride)) };
-                }
-            },
-        );
     }
 }
 
@@ -221,6 +198,15 @@ impl<P: Scalar> System for Runner<'_, P> {
     }
 
     fn advance(&mut self, stages: &[(Part, f64)]) {
+        if self.pipeline.vectors.compensated {
+            // Rounding errors are kept by sums, not by the laws' loops.
+            for (part, step) in stages {
+                self.evaluations += u64::from(*part != Part::Coordinates);
+                self.run(Key::Evaluate(*part));
+                self.axpy(Register::State, *step, Register::Rates, *part);
+            }
+            return;
+        }
         let mut rest = stages;
         while let [(part, step), after @ ..] = rest {
             self.context.steps[0] = P::from_f64(*step);
@@ -240,25 +226,39 @@ impl<P: Scalar> System for Runner<'_, P> {
         }
     }
 
-    fn axpy(&mut self, to: Register, a: f64, x: Register, part: Part) {
-        let a = P::from_f64(a);
-        self.elementwise(to, x, part, |to, x| to + x * a);
+    fn linear(&mut self, combination: Combination<'_>) {
+        // SAFETY: `Runner` is only made for a state with the layout that the vectors were made for, held exclusively.
+        unsafe { self.pipeline.vectors.linear(&combination, self.context.lent, self.context.isa) };
     }
 
-    fn copy(&mut self, to: Register, from: Register, part: Part) {
-        self.elementwise(to, from, part, |_, from| from);
-    }
-
-    fn zero(&mut self, to: Register, part: Part) {
-        self.elementwise(to, to, part, |_, _| P::default());
+    fn magnitudes(&mut self, of: &[Register], part: Part, each: &mut dyn FnMut(usize, &[f64])) {
+        // SAFETY: as above.
+        unsafe { self.pipeline.vectors.magnitudes(of, part, self.context.lent, each) };
     }
 
     fn momenta_depend_on_momenta(&self) -> bool {
-        self.pipeline.structure.momenta_depend_on_momenta
+        self.pipeline.structure.momenta_depend_on_momenta.is_some()
     }
 
     fn coordinates_depend_on_others(&self) -> bool {
         self.pipeline.structure.coordinates_depend_on.is_some()
+    }
+
+    fn coordinates_follow_momenta(&mut self) -> bool {
+        self.run(Key::Evaluate(Part::Coordinates));
+        if !self.pipeline.structure.second_order || self.pipeline.vectors.momentum_behind.is_none() {
+            return false;
+        }
+        // SAFETY: as above.
+        unsafe { self.pipeline.vectors.rates_are_momenta(self.context.lent) }
+    }
+
+    fn epsilon(&self) -> f64 {
+        P::EPSILON
+    }
+
+    fn count_step(&mut self, accepted: bool) {
+        self.tried[usize::from(accepted)] += 1;
     }
 }
 

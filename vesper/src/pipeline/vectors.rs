@@ -1,4 +1,9 @@
-//! Vectors over the whole state: rates, and what integrators keep. Owned by the pipeline, laid out like the state.
+//! Vectors over the whole state: rates, what integrators keep, and the rounding errors of a compensated state. Owned by
+//! the pipeline.
+//!
+//! A vector is one array: coordinates first, then momenta in the order of the coordinates that they move, then other
+//! states, component by component. Short components stand without gaps, so that a sum over a small state is one loop;
+//! long ones are staggered in memory, as columns are.
 
 use super::Pipeline;
 use super::bind::{Base, Located, locate_column};
@@ -9,16 +14,24 @@ use crate::property::Role;
 use crate::real::Scalar;
 use crate::registry::QuantityId;
 use crate::state::State;
+use core::ops::Range;
 
 /// One property that laws give rates of.
 pub(crate) struct StateProperty<P: Scalar> {
     pub(crate) quantity: QuantityId,
     pub(crate) role: Role,
-    /// Its number among all components of all states.
-    pub(crate) first: usize,
+    /// Rows that have it.
     pub(crate) len: usize,
-    /// Where the state's own components are.
-    pub(crate) places: Vec<Located<P>>,
+    /// Where its components are.
+    pub(crate) components: Vec<Component<P>>,
+}
+
+/// One component of a state.
+pub(crate) struct Component<P: Scalar> {
+    /// Where it begins in every vector.
+    pub(crate) at: usize,
+    /// Where it is in the state itself.
+    pub(crate) place: Located<P>,
 }
 
 /// The shares of one seat: an array for each slot that it writes.
@@ -27,8 +40,16 @@ pub(crate) type Held<P> = (usize, Vec<(usize, Aligned<P>)>);
 /// The vectors of a pipeline.
 pub(crate) struct Vectors<P: Scalar> {
     pub(crate) states: Vec<StateProperty<P>>,
-    /// Rates first, then the integrator's own; each has one array for each component.
-    pub(crate) registers: Vec<Vec<Aligned<P>>>,
+    /// Rates first, then the integrator's own, then, where the state is compensated, its rounding errors.
+    pub(crate) registers: Vec<Aligned<P>>,
+    /// Whether the last one is that of the rounding errors.
+    pub(crate) compensated: bool,
+    /// From one component to the next; zero where they stand without gaps.
+    gaps: bool,
+    /// Where coordinates end, and momenta, and all.
+    ends: [usize; 3],
+    /// How far behind its coordinate a momentum is, if every coordinate has one that laws move too.
+    pub(crate) momentum_behind: Option<usize>,
     /// Shares that are held between steps, for each seat that has any: one array for each slot it writes.
     pub(crate) held: Vec<Held<P>>,
     /// Whether the shares have been computed since the pipeline was made.
@@ -37,62 +58,148 @@ pub(crate) struct Vectors<P: Scalar> {
 
 impl<P: Scalar> Default for Vectors<P> {
     fn default() -> Self {
-        Vectors { states: Vec::new(), registers: Vec::new(), held: Vec::new(), filled: Vec::new() }
+        Vectors {
+            states: Vec::new(),
+            registers: Vec::new(),
+            compensated: false,
+            gaps: false,
+            ends: [0; 3],
+            momentum_behind: None,
+            held: Vec::new(),
+            filled: Vec::new(),
+        }
     }
 }
 
+/// Bytes of a component from which on it is staggered.
+const LONG: usize = 512;
+const CACHE_LINE: usize = 64;
+
 impl<P: Scalar> Vectors<P> {
-    /// Zeros for every state, and `work` vectors besides the rates.
-    pub(crate) fn new(pipeline: &Pipeline<P>, state: &State<P>, work: usize) -> Self {
-        let mut states = Vec::new();
-        let mut first = 0;
-        for quantity in pipeline.states() {
-            let known = &pipeline.registry.quantities[quantity];
-            let width = known.info.kind.width();
-            let places: Vec<Located<P>> =
-                (0..width).filter_map(|c| locate_column(state, known.domain, known.info.name, c)).collect();
-            let len = places.first().map_or(0, |place| place.len);
-            states.push(StateProperty { quantity, role: known.info.role, first, len, places });
-            first += width;
-        }
-        let register = |register: usize| -> Vec<Aligned<P>> {
-            states
-                .iter()
-                .flat_map(|state| (0..state.places.len()).map(move |c| Aligned::zeros(state.len, register * 3 + c + 7)))
-                .collect()
+    /// Zeros for every state, `work` vectors besides the rates, and the rounding errors where they are kept.
+    pub(crate) fn new(pipeline: &Pipeline<P>, state: &State<P>, work: usize, compensated: bool) -> Self {
+        let ordered = ordered(pipeline);
+        let rows = |id: QuantityId| {
+            let known = &pipeline.registry.quantities[id];
+            locate_column(state, known.domain, known.info.name, 0).map_or(0, |place| place.len)
         };
-        let registers = (0..=work).map(register).collect();
+        let gaps = ordered.iter().any(|&id| rows(id) * size_of::<P>() >= LONG);
+        let (mut states, mut ends, mut at) = (Vec::new(), [0; 3], 0);
+        for id in ordered {
+            let known = &pipeline.registry.quantities[id];
+            let len = rows(id);
+            let mut components = Vec::new();
+            for component in 0..known.info.kind.width() {
+                let Some(place) = locate_column(state, known.domain, known.info.name, component) else { continue };
+                components.push(Component { at, place });
+                at += if gaps { staggered::<P>(len) } else { len };
+            }
+            let role = known.info.role;
+            let from = match role {
+                Role::Coordinate => 0,
+                Role::Momentum(_) => 1,
+                Role::Plain | Role::Sum { .. } => 2,
+            };
+            ends[from..].fill(at);
+            states.push(StateProperty { quantity: id, role, len, components });
+        }
+        let count = 1 + work + usize::from(compensated);
         let held = held(pipeline, state);
         let filled = vec![false; held.len()];
-        Vectors { states, registers, held, filled }
+        let momentum_behind = paired(&states, pipeline).then_some(ends[0]);
+        let registers = (0..count).map(|stream| Aligned::zeros(at, stream + 7)).collect();
+        Vectors { states, registers, compensated, gaps, ends, momentum_behind, held, filled }
     }
 
     /// The components of a state's rates.
     pub(crate) fn rate(&self, quantity: QuantityId, component: usize) -> Option<*mut P> {
         let state = self.states.iter().find(|state| state.quantity == quantity)?;
-        Some(self.registers.first()?.get(state.first + component)?.pointer())
+        let at = state.components.get(component)?.at;
+        Some(self.registers.first()?.pointer().wrapping_add(at))
     }
 
-    /// Runs `each` on every component of a part: start and stride of `to`, of `from`, and how many numbers.
-    pub(crate) fn for_each(
-        &self,
-        to: Register,
-        from: Register,
-        part: Part,
-        lent: &[*mut P],
-        mut each: impl FnMut((*mut P, usize), (*mut P, usize), usize),
-    ) {
-        for state in self.states.iter().filter(|state| part.holds(&state.role)) {
-            for (component, place) in state.places.iter().enumerate() {
-                let at = |register| match register {
-                    Register::State => (place.base.resolve(lent), place.stride),
-                    Register::Rates => (self.registers[0][state.first + component].pointer(), 1),
-                    Register::Work(index) => (self.registers[1 + index][state.first + component].pointer(), 1),
-                };
-                each(at(to), at(from), state.len);
+    /// The vector of a register; `None` for the state, which is not one array.
+    pub(crate) fn vector(&self, register: Register) -> Option<*mut P> {
+        match register {
+            Register::State => None,
+            Register::Rates => Some(self.registers[0].pointer()),
+            Register::Work(number) => Some(self.registers[1 + number].pointer()),
+        }
+    }
+
+    /// The rounding errors of the state.
+    pub(crate) fn carry(&self) -> Option<*mut P> {
+        if self.compensated { self.registers.last().map(Aligned::pointer) } else { None }
+    }
+
+    /// The numbers of a part, if they stand without gaps.
+    pub(crate) fn span(&self, part: Part) -> Option<Range<usize>> {
+        let range = match part {
+            Part::All => 0..self.ends[2],
+            Part::Coordinates => 0..self.ends[0],
+            Part::Momenta => self.ends[0]..self.ends[1],
+        };
+        (!self.gaps).then_some(range)
+    }
+
+    /// The states of a part, with their numbers.
+    pub(crate) fn part(&self, part: Part) -> impl Iterator<Item = (usize, &StateProperty<P>)> {
+        self.states.iter().enumerate().filter(move |(_, state)| part.holds(&state.role))
+    }
+
+    /// The state was changed from outside: its rounding errors are gone.
+    pub(crate) fn forget_errors(&mut self) {
+        if self.compensated
+            && let Some(errors) = self.registers.last_mut()
+        {
+            errors.as_mut_slice().fill(P::default());
+        }
+    }
+}
+
+/// Coordinates, then their momenta in the same order, other momenta, other states.
+fn ordered<P: Scalar>(pipeline: &Pipeline<P>) -> Vec<QuantityId> {
+    let states = pipeline.states();
+    let known = |id: &QuantityId| &pipeline.registry.quantities[*id];
+    let coordinates = || states.iter().filter(|id| known(id).info.role == Role::Coordinate);
+    let mut ordered: Vec<QuantityId> = coordinates().copied().collect();
+    let momentum_of = |coordinate: &QuantityId| {
+        let (domain, name) = (known(coordinate).domain, known(coordinate).info.name);
+        states.iter().copied().find(|id| known(id).domain == domain && known(id).info.role == Role::Momentum(name))
+    };
+    ordered.extend(coordinates().filter_map(momentum_of));
+    let momentum = |id: &&QuantityId| matches!(known(id).info.role, Role::Momentum(_));
+    for rest in [states.iter().filter(momentum).collect::<Vec<_>>(), states.iter().collect()] {
+        for id in rest {
+            if !ordered.contains(id) {
+                ordered.push(*id);
             }
         }
     }
+    ordered
+}
+
+/// Whether each coordinate has a momentum that laws move too, of as many numbers, just as far behind.
+fn paired<P: Scalar>(states: &[StateProperty<P>], pipeline: &Pipeline<P>) -> bool {
+    let coordinates: Vec<_> = states.iter().filter(|state| state.role == Role::Coordinate).collect();
+    let momenta = states.iter().skip(coordinates.len());
+    let fits = coordinates.iter().zip(momenta).filter(|(coordinate, momentum)| {
+        let [of, moves] = [coordinate, momentum].map(|state| &pipeline.registry.quantities[state.quantity]);
+        of.domain == moves.domain
+            && moves.info.role == Role::Momentum(of.info.name)
+            && coordinate.len == momentum.len
+            && coordinate.components.len() == momentum.components.len()
+    });
+    !coordinates.is_empty() && fits.count() == coordinates.len()
+}
+
+/// From one long component to the next: whole lines, of which few neighbours share a set of the first cache.
+fn staggered<P>(len: usize) -> usize {
+    const SETS: usize = 64;
+    const STAGGER: usize = 39;
+    let line = CACHE_LINE / size_of::<P>();
+    let lines = len.div_ceil(line);
+    (lines + (STAGGER + SETS - lines % SETS) % SETS) * line
 }
 
 /// Memory for the shares of laws that are not evaluated on every step.

@@ -7,6 +7,8 @@ use super::{Real, Vector};
 pub trait Scalar: Real + Lanes<Self> + PartialOrd + Default + core::fmt::Display + sealed::Sealed {
     /// "f32" or "f64".
     const NAME: &'static str;
+    /// The distance from 1 to the next number.
+    const EPSILON: f64;
     /// The nearest number of this precision.
     fn from_f64(value: f64) -> Self;
     /// The same number in f64, exactly.
@@ -172,6 +174,7 @@ macro_rules! scalar {
 
         impl Scalar for $scalar {
             const NAME: &'static str = stringify!($scalar);
+            const EPSILON: f64 = $scalar::EPSILON as f64;
             #[inline(always)]
             fn from_f64(value: f64) -> Self {
                 value as $scalar

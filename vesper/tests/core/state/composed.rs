@@ -232,12 +232,13 @@ impl Integrator for Restless {
     fn order(&self) -> u32 {
         1
     }
-    fn step(&mut self, system: &mut dyn System, step: f64) {
+    fn step(&mut self, system: &mut dyn System, step: f64) -> Result<(), Fault> {
         system.evaluate(Part::All);
         system.advance(&[(Part::Momenta, step), (Part::Coordinates, step)]);
         system.advance(&[(Part::Momenta, step)]);
         system.advance(&[(Part::Coordinates, step)]);
         system.set_time(system.time() + step);
+        Ok(())
     }
 }
 

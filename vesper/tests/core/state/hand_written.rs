@@ -21,6 +21,7 @@ impl<const READ: usize, const WRITTEN: usize> Law for Counted<READ, WRITTEN> {
         ports: &[port(Mass::INFO, Mode::Reads), port(Heat::INFO, Mode::Adds)],
         parameters: &[],
         link: None,
+        second_order: false,
         file: "",
         line: 0,
     };

@@ -1,0 +1,85 @@
+//! What an integrator sees of laws and data: vectors over the whole state, by name, and what can be done with them.
+
+use crate::law::Part;
+
+/// A vector with a number for every number of the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Register {
+    /// The state itself.
+    State,
+    /// The time derivatives that the last `evaluate` left.
+    Rates,
+    /// A vector of the integrator's own, zero at first; it asks for as many as it needs.
+    Work(usize),
+}
+
+/// A vector with its factor.
+pub type Term = (f64, Register);
+
+/// A sum of vectors, and where it goes.
+#[derive(Clone, Copy, Debug)]
+pub struct Combination<'a> {
+    /// What is written.
+    pub to: Register,
+    /// Whether the sum is added to what is there, or takes its place.
+    pub adds: bool,
+    /// The part of the state that is meant.
+    pub part: Part,
+    /// What is summed, in this order. What is written may be among them.
+    pub terms: &'a [Term],
+    /// For coordinates alone: vectors of which the momenta are summed behind the terms, each to the coordinate that it
+    /// moves. Only where [`System::coordinates_follow_momenta`].
+    pub momenta: &'a [Term],
+}
+
+/// What an integrator sees of laws and data.
+pub trait System {
+    /// The time of the state, in s.
+    fn time(&self) -> f64;
+    /// Sets the time at which laws are evaluated, in s.
+    fn set_time(&mut self, time: f64);
+    /// Runs the laws once, so that [`Register::Rates`] holds the rates of this part at the state and time as they are.
+    fn evaluate(&mut self, part: Part);
+    /// For each stage in turn: evaluates, and adds the step, in s, times the rates to the state. The same as `evaluate`
+    /// and `axpy`, but the rates need not be kept, so a stage of row laws is one pass over memory, and so are
+    /// neighbouring stages.
+    fn advance(&mut self, stages: &[(Part, f64)]);
+    /// Sums vectors. What is added to the state is added with the rounding error of the last addition, where the state is
+    /// compensated (Kahan, Comm. ACM 8 (1965) 40); what takes its place is a trial, and leaves that error as it is.
+    fn linear(&mut self, combination: Combination<'_>);
+    /// Goes through the rows of this part. `each` gets the number of the property among the states, and the magnitudes of
+    /// the row in every one of the vectors; the magnitude of a vector property is its length.
+    fn magnitudes(&mut self, of: &[Register], part: Part, each: &mut dyn FnMut(usize, &[f64]));
+    /// Whether the rates of momenta depend on momenta: a force that depends on a velocity.
+    fn momenta_depend_on_momenta(&self) -> bool;
+    /// Whether the rates of coordinates depend on more than momenta: on coordinates, or on the time.
+    fn coordinates_depend_on_others(&self) -> bool;
+    /// Whether the rate of every coordinate is its momentum: the laws say so (`second_order`), and it holds in every row
+    /// as it is now. Leaves the rates of the coordinates evaluated.
+    fn coordinates_follow_momenta(&mut self) -> bool;
+    /// The distance from 1 to the next number of the state's precision.
+    fn epsilon(&self) -> f64;
+    /// Notes a step that an adaptive integrator has tried, for the report.
+    fn count_step(&mut self, accepted: bool);
+
+    /// `to = a x + b y + ...`, for this part.
+    fn combine(&mut self, to: Register, terms: &[Term], part: Part) {
+        self.linear(Combination { to, adds: false, part, terms, momenta: &[] });
+    }
+    /// `to += a x + b y + ...`, for this part.
+    fn add(&mut self, to: Register, terms: &[Term], part: Part) {
+        self.linear(Combination { to, adds: true, part, terms, momenta: &[] });
+    }
+    /// `to += a x`, for this part.
+    fn axpy(&mut self, to: Register, a: f64, x: Register, part: Part) {
+        self.add(to, &[(a, x)], part);
+    }
+    /// `to = from`, for this part.
+    fn copy(&mut self, to: Register, from: Register, part: Part) {
+        self.combine(to, &[(1.0, from)], part);
+    }
+    /// `to = 0`, for this part.
+    fn zero(&mut self, to: Register, part: Part) {
+        self.combine(to, &[], part);
+    }
+}
