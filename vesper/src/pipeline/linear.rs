@@ -4,6 +4,7 @@ use super::vectors::{Component, Vectors};
 use crate::integrate::{Combination, Register, Term};
 use crate::law::Part;
 use crate::real::{Isa, Lanes, Scalar, WithLanes};
+use core::ops::Range;
 
 /// Terms that are summed in one pass; more are added in further ones.
 const TERMS: usize = 24;
@@ -17,59 +18,119 @@ impl<P: Scalar> Vectors<P> {
     /// # Safety
     /// The state that the vectors were laid out for is held, and `lent` are the addresses of its lent memory.
     pub(crate) unsafe fn linear(&self, combination: &Combination<'_>, lent: &[*mut P], isa: Isa) {
-        let Combination { to, mut adds, part, terms, momenta } = *combination;
-        let behind = self.momentum_behind.unwrap_or(0);
-        let mut all = momenta.iter().map(|term| (*term, behind)).chain(terms.iter().map(|term| (*term, 0))).peekable();
+        let Combination { to, mut adds, part, mut terms, mut momenta } = *combination;
         loop {
-            let mut some = [((0.0, Register::Rates), 0); TERMS];
-            let mut count = 0;
-            for place in &mut some {
-                let Some(term) = all.next() else { break };
-                *place = term;
-                count += 1;
-            }
+            let (now, later) = momenta.split_at(momenta.len().min(TERMS));
+            let (also, rest) = terms.split_at(terms.len().min(TERMS - now.len()));
+            let some = Combination { to, adds, part, terms: also, momenta: now };
             // SAFETY: passed on to the caller.
-            unsafe { self.pass(to, adds, part, &some[..count], lent, isa) };
-            if all.peek().is_none() {
+            unsafe {
+                match (self.span(part), self.image()) {
+                    (Some(span), Some(image)) => self.in_one(&some, (span, image), lent, isa),
+                    _ => self.by_component(&some, lent, isa),
+                }
+            }
+            (terms, momenta, adds) = (rest, later, true);
+            if terms.is_empty() && momenta.is_empty() {
                 return;
             }
-            adds = true;
+        }
+    }
+
+    /// A small state: one sum over all components, with an image of the state beside the other vectors.
+    ///
+    /// # Safety
+    /// As for [`Vectors::linear`].
+    unsafe fn in_one(
+        &self,
+        combination: &Combination<'_>,
+        (span, image): (Range<usize>, *mut P),
+        lent: &[*mut P],
+        isa: Isa,
+    ) {
+        let Combination { to, adds, part, terms, momenta } = *combination;
+        let looks_at_state = |terms: &[Term]| terms.iter().any(|(_, from)| *from == Register::State);
+        // SAFETY: the image has a place for every number of the state; passed on to the caller.
+        unsafe {
+            if adds && to == Register::State || looks_at_state(terms) {
+                self.each_component(part, lent, image, |state, image| *image = *state);
+            }
+            if looks_at_state(momenta) {
+                self.each_component(Part::Momenta, lent, image, |state, image| *image = *state);
+            }
+        }
+        let start = |register| self.vector(register).unwrap_or(image).wrapping_add(span.start);
+        let behind = self.momentum_behind.unwrap_or(0);
+        let mut sources = [(P::default(), core::ptr::null::<P>()); TERMS];
+        for (source, (factor, from)) in sources.iter_mut().zip(momenta) {
+            *source = (P::from_f64(*factor), start(*from).wrapping_add(behind));
+        }
+        for (source, (factor, from)) in sources[momenta.len()..].iter_mut().zip(terms) {
+            *source = (P::from_f64(*factor), start(*from));
+        }
+        let errors = if to == Register::State && adds { self.carry() } else { None };
+        let sum = Sum {
+            to: start(to),
+            errors: errors.map_or(core::ptr::null_mut(), |errors| errors.wrapping_add(span.start)),
+            adds,
+            count: span.len(),
+            sources: &sources[..momenta.len() + terms.len()],
+        };
+        P::with_lanes(isa, sum);
+        if to == Register::State {
+            // SAFETY: as above.
+            unsafe { self.each_component(part, lent, image, |state, image| *state = *image) };
+        }
+    }
+
+    /// Gives every number of a part of the state, and its place in the image.
+    ///
+    /// # Safety
+    /// As for [`Vectors::linear`].
+    unsafe fn each_component(&self, part: Part, lent: &[*mut P], image: *mut P, each: impl Fn(&mut P, &mut P)) {
+        for (_, state) in self.part(part) {
+            for component in &state.components {
+                let (start, stride) = self.place(Register::State, component, lent);
+                let image = image.wrapping_add(component.at);
+                for row in 0..state.len {
+                    // SAFETY: both have `len` numbers, and are different arrays; passed on to the caller.
+                    unsafe { each(&mut *start.add(row * stride), &mut *image.add(row)) };
+                }
+            }
         }
     }
 
     /// # Safety
     /// As for [`Vectors::linear`].
-    unsafe fn pass(&self, to: Register, adds: bool, part: Part, terms: &[(Term, usize)], lent: &[*mut P], isa: Isa) {
+    unsafe fn by_component(&self, combination: &Combination<'_>, lent: &[*mut P], isa: Isa) {
+        let Combination { to, adds, part, terms, momenta } = *combination;
         let errors = if to == Register::State && adds { self.carry() } else { None };
-        let in_one = to != Register::State && terms.iter().all(|((_, from), _)| *from != Register::State);
-        let mut sources = [(P::default(), core::ptr::null::<P>()); TERMS];
-        if let (true, Some(span), Some(start)) = (in_one, self.span(part), self.vector(to)) {
-            for (source, ((factor, from), behind)) in sources.iter_mut().zip(terms) {
-                let from = self.vector(*from).unwrap_or(start).wrapping_add(span.start + behind);
-                *source = (P::from_f64(*factor), from);
-            }
-            let to = start.wrapping_add(span.start);
-            let errors = core::ptr::null_mut();
-            let sum = Sum { to, errors, adds, count: span.len(), sources: &sources[..terms.len()] };
-            return P::with_lanes(isa, sum);
-        }
+        let behind = self.momentum_behind.unwrap_or(0);
+        let count = momenta.len() + terms.len();
         for (_, state) in self.part(part) {
             for (number, component) in state.components.iter().enumerate() {
-                let (start, stride) = self.place(to, component, lent);
+                let mut sources = [(P::default(), core::ptr::null::<P>()); TERMS];
                 let mut strides = [1; TERMS];
+                let moving = momenta.iter().map(|(factor, from)| match self.vector(*from) {
+                    Some(start) => (*factor, start.wrapping_add(component.at + behind), 1),
+                    None => {
+                        let (start, stride) = self.momentum(component.at + behind, number, lent);
+                        (*factor, start, stride)
+                    }
+                });
+                let own = terms.iter().map(|(factor, from)| {
+                    let (start, stride) = self.place(*from, component, lent);
+                    (*factor, start, stride)
+                });
+                let (start, stride) = self.place(to, component, lent);
                 let mut even = stride == 1;
-                for (index, ((factor, from), behind)) in terms.iter().enumerate() {
-                    let (from, stride) = match self.vector(*from) {
-                        Some(start) => (start.wrapping_add(component.at + behind), 1),
-                        None if *behind > 0 => self.momentum(component.at + behind, number, lent),
-                        None => self.place(Register::State, component, lent),
-                    };
-                    sources[index] = (P::from_f64(*factor), from);
+                for (index, (factor, from, stride)) in moving.chain(own).enumerate() {
+                    sources[index] = (P::from_f64(factor), from.cast_const());
                     strides[index] = stride;
                     even &= stride == 1;
                 }
                 let errors = errors.map_or(core::ptr::null_mut(), |errors| errors.wrapping_add(component.at));
-                let sum = Sum { to: start, errors, adds, count: state.len, sources: &sources[..terms.len()] };
+                let sum = Sum { to: start, errors, adds, count: state.len, sources: &sources[..count] };
                 if even {
                     P::with_lanes(isa, sum);
                 } else {

@@ -40,9 +40,10 @@ pub(crate) type Held<P> = (usize, Vec<(usize, Aligned<P>)>);
 /// The vectors of a pipeline.
 pub(crate) struct Vectors<P: Scalar> {
     pub(crate) states: Vec<StateProperty<P>>,
-    /// Rates first, then the integrator's own, then, where the state is compensated, its rounding errors.
+    /// Rates first, then the integrator's own, then, where the state is compensated, its rounding errors, and last, where
+    /// there are no gaps, an image of the state.
     pub(crate) registers: Vec<Aligned<P>>,
-    /// Whether the last one is that of the rounding errors.
+    /// Whether rounding errors are kept.
     pub(crate) compensated: bool,
     /// From one component to the next; zero where they stand without gaps.
     gaps: bool,
@@ -103,7 +104,7 @@ impl<P: Scalar> Vectors<P> {
             ends[from..].fill(at);
             states.push(StateProperty { quantity: id, role, len, components });
         }
-        let count = 1 + work + usize::from(compensated);
+        let count = 1 + work + usize::from(compensated) + usize::from(!gaps);
         let held = held(pipeline, state);
         let filled = vec![false; held.len()];
         let momentum_behind = paired(&states, pipeline).then_some(ends[0]);
@@ -129,7 +130,16 @@ impl<P: Scalar> Vectors<P> {
 
     /// The rounding errors of the state.
     pub(crate) fn carry(&self) -> Option<*mut P> {
-        if self.compensated { self.registers.last().map(Aligned::pointer) } else { None }
+        if self.compensated { self.last_but(usize::from(!self.gaps)) } else { None }
+    }
+
+    /// Where the numbers of the state are laid out as in a vector while they are summed; only where there are no gaps.
+    pub(crate) fn image(&self) -> Option<*mut P> {
+        if self.gaps { None } else { self.last_but(0) }
+    }
+
+    fn last_but(&self, number: usize) -> Option<*mut P> {
+        self.registers.iter().nth_back(number).map(Aligned::pointer)
     }
 
     /// The numbers of a part, if they stand without gaps.
@@ -149,8 +159,9 @@ impl<P: Scalar> Vectors<P> {
 
     /// The state was changed from outside: its rounding errors are gone.
     pub(crate) fn forget_errors(&mut self) {
+        let behind = usize::from(!self.gaps);
         if self.compensated
-            && let Some(errors) = self.registers.last_mut()
+            && let Some(errors) = self.registers.iter_mut().nth_back(behind)
         {
             errors.as_mut_slice().fill(P::default());
         }
