@@ -70,23 +70,28 @@ impl StockLaw {
 /// All stock laws, by name.
 pub fn stock_laws() -> &'static [StockLaw] {
     const LAWS: &[StockLaw] = &[
+        StockLaw::of::<ContactPlane>(),
         StockLaw::of::<Coulomb>(),
         StockLaw::of::<Damper>(),
         StockLaw::of::<Drag>(),
+        StockLaw::of::<DrivenForce>(),
         StockLaw::of::<EinsteinInfeldHoffmann>(),
         StockLaw::of::<ElectricForce>(),
         StockLaw::of::<FieldGravity>(),
         StockLaw::of::<Gravity>(),
         StockLaw::of::<GravityByParameter>(),
+        StockLaw::of::<HenonHeiles>(),
         StockLaw::of::<Kinematics>(),
         StockLaw::of::<MagneticForce>(),
         StockLaw::of::<Motion>(),
         StockLaw::of::<NewtonianField>(),
         StockLaw::of::<PostNewtonian>(),
         StockLaw::of::<QuadraticDrag>(),
+        StockLaw::of::<QuarticSpring>(),
         StockLaw::of::<RelativisticMass>(),
         StockLaw::of::<RelativisticMotion>(),
         StockLaw::of::<RelativisticVelocity>(),
+        StockLaw::of::<RotatingFrame>(),
         StockLaw::of::<Spring>(),
         StockLaw::of::<UniformGravity>(),
     ];

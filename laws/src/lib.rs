@@ -41,23 +41,28 @@ macro_rules! laws {
     )*};
 }
 laws! {
+    contact_plane,
     coulomb,
     damper,
     drag,
+    driven_force,
     einstein_infeld_hoffmann,
     electric_force,
     field_gravity,
     gravity,
     gravity_by_parameter,
+    henon_heiles,
     kinematics,
     magnetic_force,
     motion,
     newtonian_field,
     post_newtonian,
     quadratic_drag,
+    quartic_spring,
     relativistic_mass,
     relativistic_motion,
     relativistic_velocity,
+    rotating_frame,
     spring,
     uniform_gravity,
 }

@@ -87,6 +87,12 @@ struct Machine {
 }
 
 /// Runs laws for three steps and gives the bits of everything that they moved or computed.
+/// A number for every parameter that has no default.
+fn parameters(law: &StockLaw) -> Vec<f64> {
+    let declared = law.signature.parameters.iter();
+    declared.flat_map(|parameter| parameter.default.unwrap_or([0.7; 3]).into_iter().take(parameter.width)).collect()
+}
+
 fn bits<P: Precision>(laws: &[(&StockLaw, &str)], order: &[usize], machine: Machine) -> Vec<u64> {
     let mut builder = Engine::<P>::builder()
         .integrator(SemiImplicitEuler)
@@ -106,7 +112,7 @@ fn bits<P: Precision>(laws: &[(&StockLaw, &str)], order: &[usize], machine: Mach
     }
     for &law in order {
         let (law, domain) = laws[law];
-        let compiled: Compiled<P> = law.compile(&[]);
+        let compiled: Compiled<P> = law.compile(&parameters(law));
         let label = format!("{}@{domain}", law.signature.name);
         let options = Options { domain: Some(domain.to_owned()), label: Some(label), ..Options::default() };
         builder = builder.listed(compiled, options);
@@ -168,14 +174,18 @@ fn every_stock_law_gives_the_same_bits_everywhere_in_f32() {
 /// One scene in which every stock law runs.
 fn everything() -> Vec<(&'static StockLaw, &'static str)> {
     let scene = [
+        ("contact_plane", "bodies"),
         ("coulomb", "bodies"),
         ("drag", "bodies"),
+        ("driven_force", "bodies"),
         ("electric_force", "bodies"),
         ("field_gravity", "bodies"),
         ("gravity", "bodies"),
+        ("henon_heiles", "bodies"),
         ("magnetic_force", "bodies"),
         ("motion", "bodies"),
         ("quadratic_drag", "bodies"),
+        ("rotating_frame", "bodies"),
         ("uniform_gravity", "bodies"),
         ("electric_force", "fast"),
         ("magnetic_force", "fast"),
@@ -190,6 +200,7 @@ fn everything() -> Vec<(&'static StockLaw, &'static str)> {
         ("newtonian_field", "planets"),
         ("post_newtonian", "planets"),
         ("damper", "springs"),
+        ("quartic_spring", "springs"),
         ("spring", "springs"),
     ];
     scene.map(|(name, domain)| (stock_law(name).unwrap(), domain)).to_vec()

@@ -1,5 +1,6 @@
 //! All tests of the stock laws that need more than one law, as one program: linking eight takes minutes.
 
+mod adaptive;
 mod backends;
 mod cases;
 mod catalog;

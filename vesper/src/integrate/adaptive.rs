@@ -65,6 +65,41 @@ impl Default for Steps {
     }
 }
 
+/// A span that is covered by steps. Their sum is compensated (Kahan), so that the last one ends the span, and not a time
+/// that is off by the roundings of thousands.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    begin: f64,
+    length: f64,
+    done: f64,
+    error: f64,
+}
+
+impl Span {
+    /// From the system's time on.
+    pub(super) fn new(system: &dyn System, length: f64) -> Self {
+        Span { begin: system.time(), length, done: 0.0, error: 0.0 }
+    }
+
+    /// What is left, in s.
+    pub(super) fn rest(&self) -> f64 {
+        (self.length - self.done) + self.error
+    }
+
+    /// A step is done. The time.
+    pub(super) fn add(&mut self, step: f64, last: bool) -> f64 {
+        if last {
+            (self.done, self.error) = (self.length, 0.0);
+        } else {
+            let step = step - self.error;
+            let done = self.done + step;
+            self.error = (done - self.done) - step;
+            self.done = done;
+        }
+        self.begin + self.done
+    }
+}
+
 /// What a controller makes of an error.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Control {

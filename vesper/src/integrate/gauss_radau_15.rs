@@ -10,16 +10,16 @@
 //! Where the rate of every coordinate is its momentum (Motion) only the momenta have polynomials, and coordinates are
 //! their second integrals: half of the rounds.
 //!
-//! The step follows from the time in which the rates change, the least of all rows, times (5040 precision)^(1/7):
-//! tau^2 = 2 (a'^2 + |a| |a''|) / (a''^2 + |a'| |a'''|). That is one derivative more than in the source, where a rate that
-//! passes through zero, as an oscillator's does, asks for a step of length zero.
+//! The step is chosen so that the highest term of the polynomial, at the end of the step, is a given part of the largest
+//! rate on the way, row by row. (The source compares with the rate at one time, which asks for a step of length zero where
+//! the only rate passes through zero, as an oscillator's does; ratios of derivatives do the same where a force begins with
+//! the third power of the distance.) Rates that are nothing but rounding errors count as little as they do.
 //!
-//! Sources: Everhart, IAU Colloq. 83 (1985) 185; Rein, Spiegel, MNRAS 446 (2015) 1424; Pham, Rein, Spiegel, Open J.
-//! Astrophys. 7 (2024) 1, eq. 16, for the step. The stages are kept as rates, not as their divided differences: the same
-//! polynomial, one sum less for each place.
+//! Sources: Everhart, IAU Colloq. 83 (1985) 185; Rein, Spiegel, MNRAS 446 (2015) 1424, eq. 9 to 11 for the step. The stages
+//! are kept as rates, not as their divided differences: the same polynomial, one sum less for each place.
 
-use super::adaptive::Steps;
-use super::gauss_radau_table::{AT, AT_END, NODES, ONCE, TWICE};
+use super::adaptive::{Span, Steps};
+use super::gauss_radau_table::{AT, HIGHEST, NODES, ONCE, REST, TWICE};
 use super::{Combination, Integrator, Register, Structure, System, Term};
 use crate::error::Fault;
 use crate::law::Part;
@@ -27,8 +27,8 @@ use crate::law::Part;
 /// Gauss-Radau of order 15: adaptive, to rounding.
 #[derive(Clone, Debug)]
 pub struct GaussRadau15 {
-    /// What the step is chosen by: the part of the rates that the highest term of their polynomial may be. At 1e-9 the error
-    /// of a step is below rounding.
+    /// What the step is chosen by: the part of the rates that the highest term of their polynomial may be. Up to 1e-6 the
+    /// error of a step is below rounding.
     pub precision: f64,
     steps: Steps,
     /// Whether the rate of every coordinate is its momentum, where that is known.
@@ -48,26 +48,28 @@ impl GaussRadau15 {
 
 impl Default for GaussRadau15 {
     fn default() -> Self {
-        GaussRadau15::new(1e-9)
+        GaussRadau15::new(1e-6)
     }
 }
 
 const NAME: &str = "gauss_radau_15";
 /// The state at the beginning of the step.
 const START: Register = Register::Work(0);
-/// The rates and their derivatives at the end, and other sums.
-const SUMS: [Register; 4] = [Register::Work(1), Register::Work(2), Register::Work(3), Register::Work(4)];
+/// What the last round changed, and the highest term.
+const SUM: Register = Register::Work(1);
 /// Rounds after which a step is given up, and a shorter one tried.
 const ROUNDS: usize = 12;
 /// Changes, in roundings, that rates may go on making.
 const STALLED: f64 = 1e4;
+/// Roundings of the state, by the length of a step, up to which the highest term of a rate is no reason for a shorter one.
+const NOISE: f64 = 1e3;
 /// Properties that are told apart by their units; more share the last one's scale.
 const PROPERTIES: usize = 8;
 /// A step shrinks and grows at most by this factor; one that should have been shorter by more is tried again.
 const FACTOR: f64 = 4.0;
 
 const fn rates(bank: usize, place: usize) -> Register {
-    Register::Work(5 + bank * NODES + place)
+    Register::Work(2 + bank * NODES + place)
 }
 
 impl Integrator for GaussRadau15 {
@@ -80,7 +82,7 @@ impl Integrator for GaussRadau15 {
     }
 
     fn work_vectors(&self) -> usize {
-        5 + 2 * NODES
+        2 + 2 * NODES
     }
 
     fn is_adaptive(&self) -> bool {
@@ -102,14 +104,14 @@ impl Integrator for GaussRadau15 {
     fn step(&mut self, system: &mut dyn System, step: f64) -> Result<(), Fault> {
         let follows = *self.follows.get_or_insert_with(|| system.coordinates_follow_momenta());
         let of = Form { part: if follows { Part::Momenta } else { Part::All }, follows };
-        let (begin, mut done) = (system.time(), 0.0);
-        while done < step {
+        let mut span = Span::new(system, step);
+        while span.rest() > 0.0 {
             if self.last.is_none() {
                 system.evaluate(of.part);
                 self.begin(system, of);
             }
             let next = self.steps.begin(system, 15, self.precision, step);
-            let (length, last) = Steps::cut(next, step - done);
+            let (length, last) = Steps::cut(next, span.rest());
             Steps::check(NAME, system, length)?;
             let time = system.time();
             system.copy(START, Register::State, Part::All);
@@ -125,14 +127,13 @@ impl Integrator for GaussRadau15 {
                 continue;
             }
             of.finish(system, length, self.bank);
-            done = if last { step } else { done + length };
-            system.set_time(begin + done);
+            system.set_time(span.add(length, last));
             // A step that was cut to end the span says nothing against a longer one.
             let grown = best.min(length * FACTOR);
             self.steps.next = Some(if length < next { grown.max(next.min(best)) } else { grown });
             self.last = Some(length);
             system.evaluate(of.part);
-            let after = Steps::cut(self.steps.next.unwrap_or(length), (step - done).max(0.0)).0;
+            let after = Steps::cut(self.steps.next.unwrap_or(length), span.rest()).0;
             let after = if after > 0.0 { after } else { self.steps.next.unwrap_or(length) };
             self.foretell(system, of, [1.0, after / length]);
             system.copy(rates(self.bank, 0), Register::Rates, of.part);
@@ -179,7 +180,7 @@ impl GaussRadau15 {
                 system.set_time(time + at * length);
                 system.evaluate(of.part);
                 if row + 2 == NODES {
-                    system.combine(SUMS[0], &[(1.0, Register::Rates), (-1.0, kept)], of.part);
+                    system.combine(SUM, &[(1.0, Register::Rates), (-1.0, kept)], of.part);
                 }
                 system.copy(kept, Register::Rates, of.part);
             }
@@ -199,23 +200,24 @@ impl GaussRadau15 {
 
     /// The step that the rates of this one ask for.
     fn best_step(&self, system: &mut dyn System, of: Form, length: f64) -> f64 {
-        for (sum, weights) in SUMS.into_iter().zip(&AT_END) {
-            let terms: [Term; NODES] = core::array::from_fn(|place| (weights[place], rates(self.bank, place)));
-            system.combine(sum, &terms, of.part);
+        let terms: [Term; NODES] = core::array::from_fn(|place| (HIGHEST[place], rates(self.bank, place)));
+        system.combine(SUM, &terms, of.part);
+        let mut vectors = [Register::State; NODES + 2];
+        vectors[0] = SUM;
+        for (place, vector) in vectors[2..].iter_mut().enumerate() {
+            *vector = rates(self.bank, place);
         }
-        let mut least = f64::INFINITY;
-        system.magnitudes(&SUMS, of.part, &mut |_, row| {
-            let [rate, first, second, third] = [row[0], row[1], row[2], row[3]];
-            let squared = 2.0 * (first * first + rate * second) / (second * second + first * third);
-            if squared.is_normal() {
-                least = least.min(squared);
+        let floor = NOISE * system.epsilon() / self.precision;
+        let place = of.farthest(system);
+        let mut worst = 0.0;
+        system.magnitudes(&vectors, of.part, &mut |_, row| {
+            let largest = row[2..].iter().copied().fold(0.0, f64::max);
+            let of_state = floor * (row[1] / length).max(place / (length * length));
+            if row[0] > 0.0 {
+                worst = f64::max(worst, row[0] / largest.max(of_state));
             }
         });
-        if least.is_finite() {
-            length * least.sqrt() * (5040.0 * self.precision).powf(1.0 / 7.0)
-        } else {
-            length * FACTOR
-        }
+        length * (self.precision / worst).powf(1.0 / 7.0).min(2.0 * FACTOR)
     }
 
     /// Extends the polynomial to the places of another step: one that begins at `from`, in parts of this one, and is so many
@@ -268,7 +270,7 @@ impl Form {
         // The change, the rate and the value of a property, each the largest of its rows.
         let mut largest: [[f64; 3]; PROPERTIES] = [[0.0; 3]; PROPERTIES];
         let mut whole = true;
-        system.magnitudes(&[SUMS[0], Register::Rates, Register::State], self.part, &mut |property, row| {
+        system.magnitudes(&[SUM, Register::Rates, Register::State], self.part, &mut |property, row| {
             whole &= row.iter().all(|number| number.is_finite());
             for (largest, number) in largest[property.min(PROPERTIES - 1)].iter_mut().zip(row) {
                 *largest = largest.max(*number);
@@ -277,10 +279,7 @@ impl Form {
         if !whole {
             return f64::NAN;
         }
-        let mut place = 0.0;
-        if self.follows {
-            system.magnitudes(&[Register::State], Part::Coordinates, &mut |_, row| place = f64::max(place, row[0]));
-        }
+        let place = self.farthest(system);
         let epsilon = system.epsilon();
         let roundings = largest.into_iter().filter(|[change, ..]| *change > 0.0).map(|[change, rate, value]| {
             let of_momenta = length * change / (epsilon * value.max(length * rate));
@@ -290,16 +289,34 @@ impl Form {
         roundings.fold(0.0, f64::max)
     }
 
-    /// Adds the whole step to the state.
+    /// The largest magnitude of the coordinates, where momenta are their rates.
+    fn farthest(self, system: &mut dyn System) -> f64 {
+        let mut place = 0.0;
+        if self.follows {
+            system.magnitudes(&[Register::State], Part::Coordinates, &mut |_, row| place = f64::max(place, row[0]));
+        }
+        place
+    }
+
+    /// Adds the whole step to the state. Means first, and then once the step: its square would be rounded the same way in
+    /// every step of one length, and such errors add up.
     fn finish(self, system: &mut dyn System, length: f64, bank: usize) {
         let row = NODES - 1;
-        let (to, part) = (Register::State, Part::Coordinates);
+        let mean = |weights: &[f64; NODES], rest: &[f64; NODES]| -> [Term; 2 * NODES] {
+            core::array::from_fn(|k| match k.checked_sub(NODES) {
+                Some(place) => (weights[place], rates(bank, place)),
+                None => (rest[k], rates(bank, k)),
+            })
+        };
+        let [rest_once, rest_twice] = &REST;
         if self.follows {
-            let momenta = sum(&TWICE[row], length * length, bank, (length, START));
-            system.linear(Combination { to, adds: true, part, terms: &[], momenta: &momenta });
+            system.combine(SUM, &mean(&TWICE[row], rest_twice), Part::Momenta);
+            system.combine(SUM, &[(length, SUM), (1.0, START)], Part::Momenta);
+            let (to, part, momenta) = (Register::State, Part::Coordinates, &[(length, SUM)][..]);
+            system.linear(Combination { to, adds: true, part, terms: &[], momenta });
         }
-        let terms = sum(&ONCE[row], length, bank, (0.0, START));
-        system.add(to, &terms[..NODES], self.part);
+        system.combine(SUM, &mean(&ONCE[row], rest_once), self.part);
+        system.add(Register::State, &[(length, SUM)], self.part);
     }
 }
 

@@ -1,6 +1,6 @@
 //! What explicit Runge-Kutta methods share: stages from a table, and steps chosen by an embedded error.
 
-use super::adaptive::{Control, Steps};
+use super::adaptive::{Control, Span, Steps};
 use super::{Register, System, Term, Tolerance};
 use crate::error::Fault;
 use crate::law::Part;
@@ -54,17 +54,17 @@ impl<const ERRORS: usize> Embedded<ERRORS> {
         &self,
         (progress, tolerance): (&mut Progress, &Tolerance),
         system: &mut dyn System,
-        span: f64,
+        length: f64,
     ) -> Result<(), Fault> {
-        let (begin, mut done) = (system.time(), 0.0);
-        while done < span {
+        let mut span = Span::new(system, length);
+        while span.rest() > 0.0 {
             if !progress.holds_first {
                 system.evaluate(Part::All);
                 system.copy(slope(0), Register::Rates, Part::All);
                 progress.holds_first = true;
             }
-            let next = progress.steps.begin(system, self.control.order, tolerance.relative, span);
-            let (step, last) = Steps::cut(next, span - done);
+            let next = progress.steps.begin(system, self.control.order, tolerance.relative, length);
+            let (step, last) = Steps::cut(next, span.rest());
             Steps::check(self.name, system, step)?;
             system.copy(START, Register::State, Part::All);
             let time = system.time();
@@ -89,12 +89,11 @@ impl<const ERRORS: usize> Embedded<ERRORS> {
             if self.last_is_first {
                 system.copy(slope(0), slope(self.stages.len()), Part::All);
             }
-            done = if last { span } else { done + step };
             // A step cut short to end the span says little about the next one.
             if last && step < 0.9 * next {
                 progress.steps.next = progress.steps.next.map(|known| known.max(next));
             }
-            system.set_time(begin + done);
+            system.set_time(span.add(step, last));
         }
         Ok(())
     }
