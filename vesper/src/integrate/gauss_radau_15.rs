@@ -59,6 +59,8 @@ const START: Register = Register::Work(0);
 const SUM: Register = Register::Work(1);
 /// Rounds after which a step is given up, and a shorter one tried.
 const ROUNDS: usize = 12;
+/// Changes, in roundings, of a last round: what it leaves has one sign, and adds up over thousands of steps.
+const CLOSED: f64 = 0.02;
 /// Changes, in roundings, that rates may go on making.
 const STALLED: f64 = 1e4;
 /// Roundings of the state, by the length of a step, up to which the highest term of a rate is no reason for a shorter one.
@@ -185,7 +187,7 @@ impl GaussRadau15 {
                 system.copy(kept, Register::Rates, of.part);
             }
             let change = of.change(system, length);
-            if change < 1.0 {
+            if change < CLOSED {
                 return true;
             }
             stalled += u32::from(change >= 0.5 * best);
