@@ -4,8 +4,8 @@
 //! library's and the laws'.
 //!
 //! The way of the data: [`scene`] (with [`csv`], [`generate`], [`fault`]) reads a file -> [`assemble`] makes an engine of
-//! it -> [`run`] takes it to its end -> [`output`] says, saves and draws what came of it; [`command`] is the words of the
-//! command line for all this.
+//! it -> [`run`] takes it to its end -> [`output`] says, saves and draws what came of it; [`study`] holds integrators
+//! against known answers (with [`reader`]); [`command`] is the words of the command line for all this.
 
 pub mod assemble;
 pub mod command;
@@ -13,5 +13,7 @@ pub mod csv;
 pub mod fault;
 pub mod generate;
 pub mod output;
+pub mod reader;
 pub mod run;
 pub mod scene;
+pub mod study;

@@ -74,6 +74,25 @@ pub struct Dipole {
     pub moment: [f64; 3],
 }
 
+/// The sum of central fields.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Points {
+    /// The fields.
+    pub points: Vec<Point>,
+}
+
+/// A field that is strongest at both ends of its axis, z, and holds what follows its lines between them:
+/// `value * (-x z / length^2, -y z / length^2, 1 + z^2 / length^2)`, free of sources.
+///
+/// Chen, Introduction to Plasma Physics and Controlled Fusion, 3rd ed., 2.3.3, with the divergence taken to be 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bottle {
+    /// The value at the origin, along z.
+    pub value: f64,
+    /// The distance along the axis at which it has doubled, in m.
+    pub length: f64,
+}
+
 fn vector<P: Scalar>([x, y, z]: [f64; 3]) -> P::Vec3 {
     P::Vec3::new(P::from_f64(x), P::from_f64(y), P::from_f64(z))
 }
@@ -108,6 +127,26 @@ impl<P: Scalar> Field<P> for Point {
             return P::Vec3::zero();
         }
         from * (P::from_f64(self.strength) / (r2 * r2.sqrt()))
+    }
+}
+
+impl<P: Scalar> Field<P> for Points {
+    fn sample(&self, position: P::Vec3, time: P) -> P::Vec3 {
+        let mut sum = P::Vec3::zero();
+        for point in &self.points {
+            sum += Field::<P>::sample(point, position, time);
+        }
+        sum
+    }
+}
+
+impl<P: Scalar> Field<P> for Bottle {
+    fn sample(&self, position: P::Vec3, _time: P) -> P::Vec3 {
+        let (value, length) = (P::from_f64(self.value), P::from_f64(self.length));
+        let (x, y, z) = (position.x(), position.y(), position.z());
+        let square = length * length;
+        let across = -(value * z / square);
+        P::Vec3::new(across * x, across * y, value + value * z * z / square)
     }
 }
 

@@ -4,7 +4,7 @@ pub use crate::column::{Column, Lent, Values};
 pub use crate::domain::{AsProperty, Domain};
 pub use crate::engine::{Builder, Checkpoint, Configure, Engine, Listing};
 pub use crate::error::{Fault, Faults};
-pub use crate::field::{Boxes, Dipole, Field, FieldBox, Point, Uniform};
+pub use crate::field::{Bottle, Boxes, Dipole, Field, FieldBox, Point, Points, Uniform};
 pub use crate::integrate::{
     Combination, DormandPrince5, DormandPrince8, DriftKickDrift, ExplicitEuler, GaussRadau15, Integrator, Leapfrog,
     Midpoint, Part, Register, RungeKutta4, SemiImplicitEuler, Structure, Symplectic4, Symplectic6, Symplectic8, System,

@@ -3,9 +3,11 @@
 //! In: a [`Checkpoint`]. Out: text from which the same checkpoint is read, bit for bit. Never: a number that is not
 //! finite; a run that broke leaves one from before.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use vesper::engine::{ColumnData, DomainData};
 use vesper::prelude::Checkpoint;
+
+use crate::reader::Reader;
 
 /// The format; another number is another one.
 const VERSION: u64 = 2;
@@ -55,7 +57,7 @@ pub fn to_json(checkpoint: &Checkpoint) -> Value {
 /// What is wrong with the text.
 pub fn from_text(text: &str) -> Result<Checkpoint, String> {
     let value: Value = serde_json::from_str(text).map_err(|error| format!("it is no JSON: {error}"))?;
-    let root = Reader { path: String::new(), value: &value };
+    let root = Reader::new(&value);
     if root.field("vesper_checkpoint").and_then(|version| version.count()) != Ok(VERSION) {
         return Err(format!("it is no checkpoint of version {VERSION}"));
     }
@@ -92,52 +94,6 @@ fn domain(reader: &Reader<'_>) -> Result<DomainData, String> {
         columns: reader.field("columns")?.list(column)?,
         previous: reader.field("previous")?.list(column)?,
     })
-}
-
-/// A place in the object, for words about what is wrong there.
-struct Reader<'v> {
-    path: String,
-    value: &'v Value,
-}
-
-impl<'v> Reader<'v> {
-    fn wrong<T>(&self, expected: &str) -> Result<T, String> {
-        Err(format!("expected {expected} at {}", if self.path.is_empty() { "its root" } else { &self.path }))
-    }
-
-    fn field(&self, name: &str) -> Result<Reader<'v>, String> {
-        let object: Option<&'v Map<String, Value>> = self.value.as_object();
-        match object.and_then(|object| object.get(name)) {
-            Some(value) => Ok(Reader { path: format!("{}/{name}", self.path), value }),
-            None => self.wrong(&format!("`{name}`")),
-        }
-    }
-
-    fn list<T>(&self, item: impl Fn(&Reader<'v>) -> Result<T, String>) -> Result<Vec<T>, String> {
-        let Some(list) = self.value.as_array() else { return self.wrong("a list") };
-        list.iter().map(|value| item(&Reader { path: format!("{}/..", self.path), value })).collect()
-    }
-
-    fn number(&self) -> Result<f64, String> {
-        self.value.as_f64().map_or_else(|| self.wrong("a finite number"), Ok)
-    }
-
-    fn count(&self) -> Result<u64, String> {
-        self.value.as_u64().map_or_else(|| self.wrong("a whole number"), Ok)
-    }
-
-    fn row(&self) -> Result<u32, String> {
-        let row = self.value.as_u64().and_then(|row| u32::try_from(row).ok());
-        row.map_or_else(|| self.wrong("the number of a row"), Ok)
-    }
-
-    fn flag(&self) -> Result<bool, String> {
-        self.value.as_bool().map_or_else(|| self.wrong("true or false"), Ok)
-    }
-
-    fn text(&self) -> Result<String, String> {
-        self.value.as_str().map_or_else(|| self.wrong("text"), |text| Ok(text.to_owned()))
-    }
 }
 
 #[cfg(test)]

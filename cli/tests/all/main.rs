@@ -4,5 +4,6 @@ mod command;
 mod common;
 mod examples;
 mod names;
+mod references;
 mod scene;
 mod scene_mistakes;

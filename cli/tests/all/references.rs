@@ -1,0 +1,100 @@
+//! Hard cases with known answers: each is read, set up from stock laws, and integrated to rounding.
+
+use vesper::prelude::*;
+use vesper_cli::study::{Case, attempt, read};
+
+fn cases() -> Vec<Case> {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/references.json");
+    read(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Cases whose laws jump: without a step that ends at the jump no method is of more than first order there.
+const JUMPS: [&str; 4] = ["mass_spectrograph", "bounce_elastic", "bounce_damped", "sliding_friction_stop"];
+
+/// A million periods, which take minutes.
+const LONG: &str = "oscillator_1e6_periods";
+
+/// Errors above ten times what the rounding of the input makes, in such units, and why.
+const ABOVE: [(&str, f64); 5] = [
+    // Each of the three bodies passes another one at a thousandth of their distance, again and again; the roundings of one
+    // passage are multiplied by the next ones.
+    ("pythagorean", 1e6),
+    // Roundings at the pericentre, where energies are 2e4 times their sum.
+    ("kepler_e0.9999", 30.0),
+    // A strain is a difference of coordinates, and the force is stiff.
+    ("stiff_spring_pendulum", 20.0),
+    ("hanging_chain_1000to1", 10.0),
+    ("orbiting_dumbbell", 10.0),
+];
+
+#[test]
+fn gauss_radau_comes_down_to_rounding() {
+    let cases = cases();
+    assert_eq!(cases.len(), 50);
+    let smooth = cases.iter().filter(|case| !JUMPS.contains(&case.id.as_str()) && case.id != LONG);
+    let mut above = Vec::new();
+    for case in smooth {
+        let attempt = attempt::<f64>(case, |builder| builder.integrator(GaussRadau15::default())).unwrap();
+        println!("{:28} {:.1e} {:8.1e} {:8}", case.id, attempt.error, attempt.by_floor, attempt.evaluations);
+        let allowed = ABOVE.iter().find(|(id, _)| *id == case.id).map_or(1.0, |(_, allowed)| *allowed);
+        if attempt.by_floor > allowed || attempt.by_floor.is_nan() {
+            above.push(format!("{}: {:.1e} of {:.1e}", case.id, attempt.error, attempt.error / attempt.by_floor));
+        }
+    }
+    assert!(above.is_empty(), "{above:#?}");
+}
+
+#[test]
+fn a_fixed_step_is_as_good_as_its_order() {
+    let cases = cases();
+    let error = |id: &str, integrator: Box<dyn Integrator>, step: f64| {
+        let case = cases.iter().find(|case| case.id == id).unwrap();
+        attempt::<f64>(case, |builder| builder.boxed_integrator(integrator).step(step)).unwrap().error
+    };
+    let (coarse, fine) = (
+        error("kepler_e0", Box::new(Symplectic8::default()), core::f64::consts::TAU / 20.0),
+        error("kepler_e0", Box::new(Symplectic8::default()), core::f64::consts::TAU / 40.0),
+    );
+    assert!((coarse / fine).log2() > 7.0, "{coarse} {fine}");
+    let drag = error("projectile_quadratic_drag", Box::new(RungeKutta4), 0.01);
+    assert!(drag < 1e-8, "{drag}");
+}
+
+#[test]
+fn an_integrator_that_breaks_has_an_infinite_error() {
+    let cases = cases();
+    let stiff = cases.iter().find(|case| case.id == "stiff_drag").unwrap();
+    let attempt = attempt::<f64>(stiff, |builder| builder.integrator(ExplicitEuler).step(0.01)).unwrap();
+    assert_eq!(attempt.error, f64::INFINITY);
+}
+
+#[test]
+fn what_is_wrong_with_a_file_is_said_with_its_place() {
+    let text = |laws: &str| {
+        format!(
+            "[{{\"id\": \"a\", \"dynamics\": {{\"type\": \"newtonian\"}}, \"bodies\": [{{\"m\": 1, \"x\": [0, 0, 0], \
+             \"v\": [0, 0, 0]}}], \"laws\": [{laws}], \"samples\": []}}]"
+        )
+    };
+    assert!(read(&text("")).is_ok());
+    let table = [
+        ("{".to_owned(), "it is no JSON: "),
+        ("{}".to_owned(), "expected a list at its root"),
+        (text("{\"type\": \"gravity\"}"), "expected a law: newtonian_gravity, coulomb, "),
+        (text("{\"type\": \"newtonian_gravity\"}"), "expected `G` at /../laws/.."),
+        (text("{\"type\": \"uniform_gravity\", \"g\": [0, 1]}"), "expected three numbers at /../laws/../g"),
+        (text("{\"type\": \"newtonian_gravity\", \"G\": \"six\"}"), "expected a number at /../laws/../G"),
+        (
+            text("{\"type\": \"hooke_springs\", \"springs\": [{\"i\": 0, \"j\": 1, \"k\": 1}]}"),
+            "expected bodies 0 to 0, and not 1, at /../laws",
+        ),
+        (
+            text("{\"type\": \"electric_field\", \"E\": [0, 0, 0], \"region\": {\"x\": [0]}}"),
+            "expected two bounds at /../laws/../region/x",
+        ),
+    ];
+    for (text, expected) in table {
+        let found = read(&text).unwrap_err();
+        assert!(found.starts_with(expected), "{found}");
+    }
+}
