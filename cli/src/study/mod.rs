@@ -26,16 +26,29 @@ pub struct Attempt {
     pub tried: [u64; 2],
 }
 
-/// Takes a case through all its samples.
+/// Takes a case through all its samples: by steps of this length, in s, or a little shorter ones of which a whole number
+/// ends at the sample; without one, by what the integrator chooses.
 ///
 /// # Errors
 /// The laws do not fit the case, or the integrator refuses them. An integrator that breaks on the way is no fault: its
 /// error is infinite.
-pub fn attempt<P: Precision>(case: &Case, configure: impl FnOnce(Builder<P>) -> Builder<P>) -> Result<Attempt, Faults> {
+pub fn attempt<P: Precision>(
+    case: &Case,
+    step: Option<f64>,
+    configure: impl FnOnce(Builder<P>) -> Builder<P>,
+) -> Result<Attempt, Faults> {
     let mut engine = configure(builder(case)).build()?;
     let (mut error, mut by_floor) = (0.0, 0.0);
     for sample in &case.samples {
-        let here = match engine.advance(sample.time - engine.time()) {
+        let way = sample.time - engine.time();
+        let went = match step {
+            Some(step) if way > 0.0 => {
+                let steps = (way / step - 1e-9).ceil().max(1.0);
+                engine.steps_of(steps as u64, way / steps)
+            }
+            _ => engine.advance(way),
+        };
+        let here = match went {
             Ok(()) => setup::error(case, sample, &engine),
             Err(_) => f64::INFINITY,
         };
