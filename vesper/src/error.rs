@@ -216,6 +216,11 @@ pub enum Fault {
          infinite there, allow a larger error, or take an integrator of fixed steps"
     )]
     StepTooShort { integrator: String, time: f64, step: f64 },
+    #[error(
+        "{integrator} is down to steps of {step:e} s at {time:e} s, and would need more than {most:e} for a frame of {span:e} s: \
+         a law jumps or is stiff there; allow a larger error, take an integrator of fixed steps, or ask for shorter frames"
+    )]
+    TooManyTries { integrator: String, time: f64, step: f64, span: f64, most: f64 },
     #[error("{integrator} needs {need}, but {found}: {mend}")]
     Integrator { integrator: String, need: String, found: String, mend: String },
     #[error("{domain}.{property} is borrowed by the client: let go of it first")]

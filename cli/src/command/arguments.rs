@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::assemble::integrators::INTEGRATORS;
 use crate::scene::{OptionKind, Override};
 
 /// Runs scenes of physics, and says what they are made of.
@@ -59,13 +60,19 @@ A path of --set is names between dots: engine.step, constants.gravity, laws.NAME
     },
 }
 
+fn integrators() -> String {
+    let names: Vec<&str> = INTEGRATORS.iter().map(|known| known.name).collect();
+    format!("Integrator: {}", names.join(", "))
+}
+
 /// A scene, and what is changed of it.
 #[derive(Args, Debug)]
 pub struct SceneArguments {
     /// The scene file
     pub scene: PathBuf,
-    /// Integrator: semi_implicit_euler, leapfrog, runge_kutta_4
-    #[arg(long, value_name = "NAME")]
+    // The list itself, so that the help knows all of them.
+    #[arg(long, value_name = "NAME", help = integrators())]
+    /// The integrator.
     pub integrator: Option<String>,
     /// Number type of the state
     #[arg(long, value_name = "f32|f64")]

@@ -1,7 +1,7 @@
 //! Hard cases with known answers: each is read, set up from stock laws, and integrated to rounding.
 
 use vesper::prelude::*;
-use vesper_cli::study::{Case, attempt, read};
+use vesper_cli::study::{Case, attempt, builder, read};
 
 fn cases() -> Vec<Case> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/references.json");
@@ -15,7 +15,7 @@ const JUMPS: [&str; 4] = ["mass_spectrograph", "bounce_elastic", "bounce_damped"
 const LONG: &str = "oscillator_1e6_periods";
 
 /// Errors above ten times what the rounding of the input makes, in such units, and why.
-const ABOVE: [(&str, f64); 5] = [
+const ABOVE: [(&str, f64); 6] = [
     // Each of the three bodies passes another one at a thousandth of their distance, again and again; the roundings of one
     // passage are multiplied by the next ones.
     ("pythagorean", 1e6),
@@ -25,6 +25,7 @@ const ABOVE: [(&str, f64); 5] = [
     ("stiff_spring_pendulum", 20.0),
     ("hanging_chain_1000to1", 10.0),
     ("orbiting_dumbbell", 10.0),
+    ("fpu_omega50", 5.0),
 ];
 
 #[test]
@@ -64,6 +65,24 @@ fn an_integrator_that_breaks_has_an_infinite_error() {
     let stiff = cases.iter().find(|case| case.id == "stiff_drag").unwrap();
     let attempt = attempt::<f64>(stiff, Some(0.01), |builder| builder.integrator(RungeKutta4)).unwrap();
     assert_eq!(attempt.error, f64::INFINITY);
+}
+
+#[test]
+fn friction_at_rest_ends_an_adaptive_run_with_a_fault_and_not_never() {
+    let cases = cases();
+    let sliding = cases.iter().find(|case| case.id == "sliding_friction_stop").unwrap();
+    // It comes to rest after 2.04 s; then the force changes sign with every trial.
+    let integrators: [Box<dyn Integrator>; 3] =
+        [Box::<DormandPrince5>::default(), Box::<DormandPrince8>::default(), Box::<GaussRadau15>::default()];
+    for integrator in integrators {
+        let name = integrator.name();
+        let mut engine = builder::<f64>(sliding).boxed_integrator(integrator).build().unwrap();
+        let fault = engine.advance(1e3).unwrap_err();
+        println!("{fault}");
+        let short = fault.iter().any(|fault| matches!(fault, Fault::StepTooShort { .. } | Fault::TooManyTries { .. }));
+        assert!(short && fault.to_string().contains(name), "{fault}");
+        assert!((2.0..2.1).contains(&engine.time()), "{name}: {}", engine.time());
+    }
 }
 
 #[test]

@@ -73,17 +73,44 @@ pub(super) struct Span {
     length: f64,
     done: f64,
     error: f64,
+    /// Steps tried, and how far they had come when a round of them was last full.
+    tried: u64,
+    mark: f64,
 }
+
+/// Steps after which the pace is looked at.
+const ROUND: u64 = 10_000;
+/// Steps that nobody waits for: at a pace of more in a span the integrator gives up.
+const MOST_STEPS: f64 = 1e9;
 
 impl Span {
     /// From the system's time on.
     pub(super) fn new(system: &dyn System, length: f64) -> Self {
-        Span { begin: system.time(), length, done: 0.0, error: 0.0 }
+        Span { begin: system.time(), length, done: 0.0, error: 0.0, tried: 0, mark: 0.0 }
     }
 
     /// What is left, in s.
     pub(super) fn rest(&self) -> f64 {
         (self.length - self.done) + self.error
+    }
+
+    /// Cuts the next step: its length, and whether it is the last one. Refuses one that the time cannot tell from none,
+    /// and a pace at which the span would take years: a law that jumps to and fro asks for steps of no length.
+    pub(super) fn cut(&mut self, name: &str, next: f64) -> Result<(f64, bool), Fault> {
+        let (step, last) = Steps::cut(next, self.rest());
+        let time = self.begin + self.done;
+        if !(step > 0.0 && time + step > time) {
+            return Err(Fault::StepTooShort { integrator: name.to_owned(), time, step });
+        }
+        self.tried += 1;
+        if self.tried.is_multiple_of(ROUND) {
+            if (self.done - self.mark) * MOST_STEPS < self.length * ROUND as f64 {
+                let integrator = name.to_owned();
+                return Err(Fault::TooManyTries { integrator, time, step, span: self.length, most: MOST_STEPS });
+            }
+            self.mark = self.done;
+        }
+        Ok((step, last))
     }
 
     /// A step is done. The time.
@@ -158,15 +185,6 @@ impl Steps {
         let factor = if error.is_finite() { safe * error.powf(-1.0 / order) } else { shrink };
         self.next = Some(step * factor.clamp(shrink, 1.0));
         false
-    }
-
-    /// Refuses a step that the time cannot tell from none.
-    pub(super) fn check(name: &str, system: &dyn System, step: f64) -> Result<(), Fault> {
-        let time = system.time();
-        if step > 0.0 && time + step > time {
-            return Ok(());
-        }
-        Err(Fault::StepTooShort { integrator: name.to_owned(), time, step })
     }
 
     pub(super) fn restart(&mut self) {

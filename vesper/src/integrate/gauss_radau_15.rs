@@ -48,7 +48,7 @@ impl GaussRadau15 {
 
 impl Default for GaussRadau15 {
     fn default() -> Self {
-        GaussRadau15::new(1e-6)
+        GaussRadau15::new(1e-7)
     }
 }
 
@@ -108,37 +108,43 @@ impl Integrator for GaussRadau15 {
         let of = Form { part: if follows { Part::Momenta } else { Part::All }, follows };
         let mut span = Span::new(system, step);
         while span.rest() > 0.0 {
-            if self.last.is_none() {
-                system.evaluate(of.part);
-                self.begin(system, of);
-            }
+            system.evaluate(of.part);
             let next = self.steps.begin(system, 15, self.precision, step);
-            let (length, last) = Steps::cut(next, span.rest());
-            Steps::check(NAME, system, length)?;
-            let time = system.time();
-            system.copy(START, Register::State, Part::All);
-            let closed = self.close(system, of, time, length);
-            let best = if closed { self.best_step(system, of, length) } else { length / FACTOR };
-            let accepted = closed && best * FACTOR > length;
-            system.count_step(accepted);
-            system.copy(Register::State, START, Part::All);
-            if !accepted {
-                system.set_time(time);
-                self.foretell(system, of, [0.0, best / length]);
-                self.steps.next = Some(best);
-                continue;
+            let (mut length, mut last) = span.cut(NAME, next)?;
+            let before = self.last.take();
+            if let Some(before) = before {
+                self.foretell(system, of, [1.0, length / before]);
             }
+            system.copy(rates(self.bank, 0), Register::Rates, of.part);
+            if before.is_none() {
+                self.hold(system, of);
+            }
+            system.copy(START, Register::State, Part::All);
+            let time = system.time();
+            let best = loop {
+                let closed = self.close(system, of, time, length);
+                let best = if closed { self.best_step(system, of, length) } else { length / FACTOR };
+                let accepted = closed && best * FACTOR > length;
+                system.count_step(accepted);
+                system.copy(Register::State, START, Part::All);
+                if accepted {
+                    break best.min(length * FACTOR);
+                }
+                system.set_time(time);
+                self.steps.next = Some(best);
+                let tried = length;
+                (length, last) = span.cut(NAME, best)?;
+                if closed {
+                    self.foretell(system, of, [0.0, length / tried]);
+                } else {
+                    self.hold(system, of);
+                }
+            };
             of.finish(system, length, self.bank);
             system.set_time(span.add(length, last));
             // A step that was cut to end the span says nothing against a longer one.
-            let grown = best.min(length * FACTOR);
-            self.steps.next = Some(if length < next { grown.max(next.min(best)) } else { grown });
+            self.steps.next = Some(if last && length < next { best.max(next) } else { best });
             self.last = Some(length);
-            system.evaluate(of.part);
-            let after = Steps::cut(self.steps.next.unwrap_or(length), span.rest()).0;
-            let after = if after > 0.0 { after } else { self.steps.next.unwrap_or(length) };
-            self.foretell(system, of, [1.0, after / length]);
-            system.copy(rates(self.bank, 0), Register::Rates, of.part);
         }
         Ok(())
     }
@@ -165,10 +171,10 @@ impl Integrator for GaussRadau15 {
 }
 
 impl GaussRadau15 {
-    /// Without a step before: the rates are constant.
-    fn begin(&mut self, system: &mut dyn System, of: Form) {
-        for place in 0..NODES {
-            system.copy(rates(self.bank, place), Register::Rates, of.part);
+    /// Without a polynomial to go on from: the rates are those at the beginning.
+    fn hold(&mut self, system: &mut dyn System, of: Form) {
+        for place in 1..NODES {
+            system.copy(rates(self.bank, place), rates(self.bank, 0), of.part);
         }
     }
 
