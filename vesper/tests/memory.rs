@@ -144,3 +144,45 @@ fn blow_ups_are_traced() {
     engine.state_mut().set("bodies", Mass, 2, 0.0).unwrap();
     assert!(engine.advance(0.03).is_err());
 }
+
+/// x'' = -x.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(
+    reads(position: Position, velocity: Velocity),
+    rates(position: Position from (velocity), velocity: Velocity from (position)),
+    second_order
+)]
+struct Swing;
+
+#[kernel]
+impl<R: Real> RowLaw<R> for Swing {
+    fn row(&self, row: SwingRow<R>) -> SwingOutput<R> {
+        SwingOutput { position: row.velocity, velocity: -row.position }
+    }
+}
+
+#[test]
+fn sums_of_short_long_and_lent_vectors() {
+    // Short ones are one array; 70 numbers are more than 512 bytes, and stand apart.
+    for rows in [3, 70] {
+        let places: Vec<[f64; 3]> = (0..rows).map(|row| [1.0, f64::from(row), -0.5]).collect();
+        let velocities = vec![[0.0, 1.0, 0.5]; places.len()];
+        let (lent_places, lent_velocities) = (Lent::new(places.clone()), Lent::new(velocities.clone()));
+        for lent in [false, true] {
+            let domain = match lent {
+                false => Domain::new("bodies").with(Position, places.clone()).with(Velocity, velocities.clone()),
+                true => Domain::new("bodies").lend(Position, &lent_places).lend(Velocity, &lent_velocities),
+            };
+            let builder = Engine::<f64>::builder().domain(domain).law(Swing).isa(Isa::Baseline).step(0.25);
+            let mut engine = match rows {
+                3 => builder.integrator(GaussRadau15::default()),
+                _ => builder.integrator(Symplectic4::default()).compensated(),
+            }
+            .build()
+            .unwrap();
+            engine.advance(0.25).unwrap();
+            let x = engine.state().get("bodies", Position, 0).unwrap().x;
+            assert!((x - 0.25_f64.cos()).abs() < 1e-6, "{x}");
+        }
+    }
+}
