@@ -18,7 +18,7 @@ const LONG: &str = "oscillator_1e6_periods";
 const ABOVE: [(&str, f64); 6] = [
     // Each of the three bodies passes another one at a thousandth of their distance, again and again; the roundings of one
     // passage are multiplied by the next ones.
-    ("pythagorean", 1e6),
+    ("pythagorean", 1e5),
     // Roundings at the pericentre, where energies are 2e4 times their sum.
     ("kepler_e0.9999", 30.0),
     // A strain is a difference of coordinates, and the force is stiff.

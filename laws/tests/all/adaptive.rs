@@ -18,6 +18,7 @@ fn the_error_follows_the_tolerance() {
         engine.advance(20.0).unwrap();
         (problem.error(&engine).unwrap(), engine.evaluations())
     };
+    let mut before = [f64::INFINITY; 2];
     for tenth in 4..11 {
         let tolerance = Tolerance::relative(10.0_f64.powi(-tenth));
         let (fifth, fifths) = error(Box::new(DormandPrince5::new(tolerance)));
@@ -26,6 +27,8 @@ fn the_error_follows_the_tolerance() {
         for error in [fifth, eighth] {
             assert!(error < 2e3 * tolerance.relative && error > 1e-2 * tolerance.relative, "{error} of {tolerance:?}");
         }
+        assert!(fifth < 0.5 * before[0] && eighth < 0.5 * before[1], "a tenth of the tolerance, {before:?}");
+        before = [fifth, eighth];
         assert!(tenth < 7 || eighths < fifths, "the higher order is cheaper for small errors");
     }
 }

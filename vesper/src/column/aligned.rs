@@ -12,6 +12,18 @@ const SETS: usize = 64;
 /// one eighth of the sets, blocks of half a page of ten columns evicted each other.
 const STAGGER: usize = 39;
 
+/// Whether so many numbers are worth staggering: an eighth of the sets of the first cache.
+pub(crate) const fn is_long<P>(len: usize) -> bool {
+    len >= SETS / 8 * (CACHE_LINE / size_of::<P>())
+}
+
+/// From one component to the next in a vector of several long ones: whole lines, of which few neighbours share a set.
+pub(crate) const fn staggered<P>(len: usize) -> usize {
+    let line = CACHE_LINE / size_of::<P>();
+    let lines = len.div_ceil(line);
+    (lines + (STAGGER + SETS - lines % SETS) % SETS) * line
+}
+
 /// Numbers at an aligned address that only changes in [`Aligned::resize`].
 ///
 /// All access goes through one raw pointer, so a pointer taken once stays good while slices come and go.
@@ -47,7 +59,7 @@ impl<P: Copy + Default> Aligned<P> {
     /// page apart: what is written to one holds up what is read from the next. Those of a few lines lie well as they are.
     fn lead(&self, capacity: usize) -> usize {
         let line = CACHE_LINE / size_of::<P>();
-        if capacity < SETS / 8 * line { 0 } else { self.stream * STAGGER % SETS * line }
+        if is_long::<P>(capacity) { self.stream * STAGGER % SETS * line } else { 0 }
     }
 
     /// Keeps the first numbers, adds zeros.

@@ -1,8 +1,9 @@
 //! The method of Dormand and Prince of order 5, with an error of order 4.
 //!
 //! Order 5, six evaluations per step (the seventh is the first of the next step); the step follows the tolerance, and
-//! the solution of order 5 is kept. For errors of 1e-3 to 1e-6, and for laws with kinks. Not symplectic, and not for stiff
-//! laws, as `dormand_prince_8`, which is cheaper below 1e-6.
+//! the solution of order 5 is kept. For moderate errors. Not symplectic, and not for stiff
+//! laws, as `dormand_prince_8`, which is cheaper for small errors
+//! (`cargo test -p vesper-laws adaptive -- --nocapture`).
 //!
 //! Source: Dormand, Prince, J. Comput. Appl. Math. 6 (1980) 19; Hairer, Norsett, Wanner, Solving Ordinary Differential
 //! Equations I, 2nd ed. (1993), II.5, table 5.2.

@@ -1,9 +1,9 @@
 //! The method of Dormand and Prince of order 8, with errors of orders 5 and 3 (DOP853).
 //!
 //! Order 8, twelve evaluations per step; the step follows the tolerance, and the last solution is kept (local
-//! extrapolation). The cheapest here for smooth problems between errors of 1e-7 and 1e-12. Not symplectic: energy drifts
-//! with the tolerance, so not for many thousand periods, where a symplectic method or `gauss_radau_15` is better; not
-//! for stiff laws, whose steps stability would dictate.
+//! extrapolation). For any smooth laws and small errors. Not symplectic: energy drifts with the tolerance, so not for many
+//! thousand periods, where a symplectic method or `gauss_radau_15` is better; not for stiff laws, whose steps stability
+//! would dictate.
 //!
 //! Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), II.5 and appendix; the
 //! coefficients are those of their code dop853.

@@ -4,11 +4,10 @@
 //! make a polynomial of degree 7, found by iteration: each round evaluates the laws at seven places, and two or three
 //! rounds do, since the polynomial of the step before foretells this one's. The state is compensated, so that the error
 //! of the energy grows like that of a random walk. For every smooth problem that deserves all digits, close encounters and
-//! eccentric orbits among them. Not for stiff laws, where the rounds do not close, nor for laws with jumps; for errors above
-//! 1e-6 others are cheaper.
+//! eccentric orbits among them. Not for stiff laws, where the rounds do not close, nor for laws with jumps.
 //!
 //! Where the rate of every coordinate is its momentum (Motion) only the momenta have polynomials, and coordinates are
-//! their second integrals: half of the rounds.
+//! their second integrals: fewer rounds, since they need not wait for them.
 //!
 //! The step is chosen so that the highest term of the polynomial, at the end of the step, is a given part of the largest
 //! rate on the way, row by row. (The source compares with the rate at one time, which asks for a step of length zero where
@@ -27,8 +26,8 @@ use crate::law::Part;
 /// Gauss-Radau of order 15: adaptive, to rounding.
 #[derive(Clone, Debug)]
 pub struct GaussRadau15 {
-    /// What the step is chosen by: the part of the rates that the highest term of their polynomial may be. Up to 1e-6 the
-    /// error of a step is below rounding.
+    /// What the step is chosen by: the part of the rates that the highest term of their polynomial may be. The default
+    /// comes down to rounding on smooth problems.
     pub precision: f64,
     steps: Steps,
     /// Whether the rate of every coordinate is its momentum, where that is known.

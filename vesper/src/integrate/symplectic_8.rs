@@ -1,7 +1,7 @@
 //! Symplectic composition of order 8, seventeen evaluations per step.
 //!
-//! Time-reversible and symplectic: the energy error stays bounded, without a trend. For long runs of smooth problems with
-//! errors below 1e-10, best with a compensated state. Refuses forces that depend on velocities. Not for close encounters.
+//! Time-reversible and symplectic: the energy error stays bounded, without a trend. For long runs of smooth problems and
+//! small errors, with a compensated state. Refuses forces that depend on velocities. Not for close encounters.
 //!
 //! Source: Kahan, Li, Math. Comp. 66 (1997) 1089, s17odr8b; Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd
 //! ed. (2006), V.3.2, eq. 3.11. Each of the seventeen parts is a leapfrog step, drift first; neighbouring drifts are one.

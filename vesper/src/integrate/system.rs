@@ -48,14 +48,14 @@ pub trait System {
     /// compensated (Kahan, Comm. ACM 8 (1965) 40); what takes its place is a trial, and leaves that error as it is.
     fn linear(&mut self, combination: Combination<'_>);
     /// Goes through the rows of this part. `each` gets the number of the property among the states, and the magnitudes of
-    /// the row in every one of the vectors; the magnitude of a vector property is its length.
+    /// the row in every one of the vectors, up to 12; the magnitude of a vector property is its length.
     fn magnitudes(&mut self, of: &[Register], part: Part, each: &mut dyn FnMut(usize, &[f64]));
     /// Whether the rates of momenta depend on momenta: a force that depends on a velocity.
     fn momenta_depend_on_momenta(&self) -> bool;
     /// Whether the rates of coordinates depend on more than momenta: on coordinates, or on the time.
     fn coordinates_depend_on_others(&self) -> bool;
     /// Whether the rate of every coordinate is its momentum: the laws say so (`second_order`), and it holds in every row
-    /// as it is now. Leaves the rates of the coordinates evaluated.
+    /// as it is now. May leave other rates of the coordinates behind.
     fn coordinates_follow_momenta(&mut self) -> bool;
     /// The distance from 1 to the next number of the state's precision.
     fn epsilon(&self) -> f64;

@@ -19,6 +19,9 @@ impl<P: Scalar> Vectors<P> {
     /// The state that the vectors were laid out for is held, and `lent` are the addresses of its lent memory.
     pub(crate) unsafe fn linear(&self, combination: &Combination<'_>, lent: &[*mut P], isa: Isa) {
         let Combination { to, mut adds, part, mut terms, mut momenta } = *combination;
+        // Anyone may write an integrator: one that asks for what is not there gets a panic, and never other memory.
+        let paired = momenta.is_empty() || part == Part::Coordinates && self.momentum_behind.is_some();
+        assert!(paired, "momenta are summed to the coordinates they move, where coordinates_follow_momenta");
         loop {
             let (now, later) = momenta.split_at(momenta.len().min(TERMS));
             let (also, rest) = terms.split_at(terms.len().min(TERMS - now.len()));
@@ -182,7 +185,7 @@ impl<P: Scalar> Vectors<P> {
         lent: &[*mut P],
         each: &mut dyn FnMut(usize, &[f64]),
     ) {
-        let of = &of[..of.len().min(LOOKS)];
+        assert!(of.len() <= LOOKS, "an integrator looks at no more than {LOOKS} vectors at a time");
         let mut row_of = [0.0; LOOKS];
         for (number, state) in self.part(part) {
             for row in 0..state.len {

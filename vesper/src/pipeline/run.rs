@@ -245,10 +245,10 @@ impl<P: Scalar> System for Runner<'_, P> {
     }
 
     fn coordinates_follow_momenta(&mut self) -> bool {
-        self.run(Key::Evaluate(Part::Coordinates));
         if !self.pipeline.structure.second_order || self.pipeline.vectors.momentum_behind.is_none() {
             return false;
         }
+        self.run(Key::Evaluate(Part::Coordinates));
         // SAFETY: as above.
         unsafe { self.pipeline.vectors.rates_are_momenta(self.context.lent) }
     }

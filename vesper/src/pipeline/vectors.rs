@@ -7,7 +7,7 @@
 
 use super::Pipeline;
 use super::bind::{Base, Located, locate_column};
-use crate::column::{Aligned, Storage};
+use crate::column::{Aligned, Storage, is_long, staggered};
 use crate::integrate::Register;
 use crate::law::{Part, Place, Port};
 use crate::property::Role;
@@ -45,8 +45,10 @@ pub(crate) struct Vectors<P: Scalar> {
     pub(crate) registers: Vec<Aligned<P>>,
     /// Whether rounding errors are kept.
     pub(crate) compensated: bool,
-    /// From one component to the next; zero where they stand without gaps.
+    /// Whether components are staggered, with gaps between them.
     gaps: bool,
+    /// How many vectors the integrator asked for.
+    work: usize,
     /// Where coordinates end, and momenta, and all.
     ends: [usize; 3],
     /// How far behind its coordinate a momentum is, if every coordinate has one that laws move too.
@@ -64,6 +66,7 @@ impl<P: Scalar> Default for Vectors<P> {
             registers: Vec::new(),
             compensated: false,
             gaps: false,
+            work: 0,
             ends: [0; 3],
             momentum_behind: None,
             held: Vec::new(),
@@ -71,10 +74,6 @@ impl<P: Scalar> Default for Vectors<P> {
         }
     }
 }
-
-/// Bytes of a component from which on it is staggered.
-const LONG: usize = 512;
-const CACHE_LINE: usize = 64;
 
 impl<P: Scalar> Vectors<P> {
     /// Zeros for every state, `work` vectors besides the rates, and the rounding errors where they are kept.
@@ -84,7 +83,7 @@ impl<P: Scalar> Vectors<P> {
             let known = &pipeline.registry.quantities[id];
             locate_column(state, known.domain, known.info.name, 0).map_or(0, |place| place.len)
         };
-        let gaps = ordered.iter().any(|&id| rows(id) * size_of::<P>() >= LONG);
+        let gaps = ordered.iter().any(|&id| is_long::<P>(rows(id)));
         let (mut states, mut ends, mut at) = (Vec::new(), [0; 3], 0);
         for id in ordered {
             let known = &pipeline.registry.quantities[id];
@@ -109,7 +108,7 @@ impl<P: Scalar> Vectors<P> {
         let filled = vec![false; held.len()];
         let momentum_behind = paired(&states, pipeline).then_some(ends[0]);
         let registers = (0..count).map(|stream| Aligned::zeros(at, stream + 7)).collect();
-        Vectors { states, registers, compensated, gaps, ends, momentum_behind, held, filled }
+        Vectors { states, registers, compensated, gaps, work, ends, momentum_behind, held, filled }
     }
 
     /// The components of a state's rates.
@@ -124,7 +123,14 @@ impl<P: Scalar> Vectors<P> {
         match register {
             Register::State => None,
             Register::Rates => Some(self.registers[0].pointer()),
-            Register::Work(number) => Some(self.registers[1 + number].pointer()),
+            Register::Work(number) => {
+                assert!(
+                    number < self.work,
+                    "an integrator uses as many vectors as its work_vectors says: {}",
+                    self.work
+                );
+                Some(self.registers[1 + number].pointer())
+            }
         }
     }
 
@@ -202,15 +208,6 @@ fn paired<P: Scalar>(states: &[StateProperty<P>], pipeline: &Pipeline<P>) -> boo
             && coordinate.components.len() == momentum.components.len()
     });
     !coordinates.is_empty() && fits.count() == coordinates.len()
-}
-
-/// From one long component to the next: whole lines, of which few neighbours share a set of the first cache.
-fn staggered<P>(len: usize) -> usize {
-    const SETS: usize = 64;
-    const STAGGER: usize = 39;
-    let line = CACHE_LINE / size_of::<P>();
-    let lines = len.div_ceil(line);
-    (lines + (STAGGER + SETS - lines % SETS) % SETS) * line
 }
 
 /// Memory for the shares of laws that are not evaluated on every step.

@@ -94,3 +94,55 @@ fn a_slot_that_is_not_declared_is_a_panic_and_never_anothers_memory() {
     assert_eq!(heat(Counted::<63, 1>), Err(()));
     assert_eq!(heat(Counted::<0, 64>), Err(()));
 }
+
+/// An integrator that asks for what is not there.
+#[derive(Debug)]
+struct Greedy(fn(&mut dyn System));
+
+impl Integrator for Greedy {
+    fn name(&self) -> &'static str {
+        "greedy"
+    }
+    fn order(&self) -> u32 {
+        1
+    }
+    fn work_vectors(&self) -> usize {
+        1
+    }
+    fn step(&mut self, system: &mut dyn System, _step: f64) -> Result<(), Fault> {
+        (self.0)(system);
+        Ok(())
+    }
+}
+
+#[test]
+fn an_integrator_that_asks_for_what_is_not_there_gets_a_panic_and_no_memory() {
+    let asks: [(fn(&mut dyn System), &str); 3] = [
+        (
+            |system| system.copy(Register::Work(1), Register::Rates, Part::All),
+            "as many vectors as its work_vectors says: 1",
+        ),
+        (
+            |system| {
+                let (to, momenta) = (Register::Work(0), &[(1.0, Register::Rates)][..]);
+                system.linear(Combination { to, adds: false, part: Part::All, terms: &[], momenta });
+            },
+            "momenta are summed to the coordinates",
+        ),
+        (|system| system.magnitudes(&[Register::State; 13], Part::All, &mut |_, _| {}), "no more than 12 vectors"),
+    ];
+    for (ask, expected) in asks {
+        let mut engine = Engine::<f64>::builder()
+            .domain(one())
+            .law(Motion)
+            .integrator(Greedy(ask))
+            .step(0.1)
+            .compensated()
+            .build()
+            .unwrap();
+        let panic = catch_unwind(AssertUnwindSafe(|| engine.advance(0.1))).unwrap_err();
+        let text =
+            panic.downcast_ref::<String>().cloned().or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
+        assert!(text.as_ref().is_some_and(|text| text.contains(expected)), "{text:?}");
+    }
+}
