@@ -117,7 +117,8 @@ impl Integrator for Greedy {
 
 #[test]
 fn an_integrator_that_asks_for_what_is_not_there_gets_a_panic_and_no_memory() {
-    let asks: [(fn(&mut dyn System), &str); 3] = [
+    type Ask = fn(&mut dyn System);
+    let asks: [(Ask, &str); 3] = [
         (
             |system| system.copy(Register::Work(1), Register::Rates, Part::All),
             "as many vectors as its work_vectors says: 1",
