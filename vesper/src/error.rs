@@ -221,6 +221,8 @@ pub enum Fault {
          a law jumps or is stiff there; allow a larger error, take an integrator of fixed steps, or ask for shorter frames"
     )]
     TooManyTries { integrator: String, time: f64, step: f64, span: f64, most: f64 },
+    #[error("{integrator} was stopped at {time:e} s, inside a frame")]
+    Stopped { integrator: String, time: f64 },
     #[error("{integrator} needs {need}, but {found}: {mend}")]
     Integrator { integrator: String, need: String, found: String, mend: String },
     #[error("{domain}.{property} is borrowed by the client: let go of it first")]

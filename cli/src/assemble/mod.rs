@@ -26,12 +26,17 @@ const MOST_THREADS: usize = 1024;
 /// # Errors
 /// Everything that is wrong with the scene, in the order of its text.
 pub fn engine<P: CatalogPrecision>(scene: &Scene) -> Result<Engine<P>, Vec<SceneFault>> {
+    builder(scene)?.build().map_err(|faults| run_faults(scene, &faults))
+}
+
+/// The builder of a scene, for whoever changes something of it.
+///
+/// # Errors
+/// What the scene's names do not mean, and values that do not fit them, in the order of its text.
+pub fn builder<P: CatalogPrecision>(scene: &Scene) -> Result<Builder<P>, Vec<SceneFault>> {
     let mut notes = Notes { scene, faults: Vec::new() };
     let builder = notes.builder::<P>();
-    if notes.count() > 0 {
-        return Err(notes.into_faults());
-    }
-    builder.build().map_err(|faults| run_faults(scene, &faults))
+    if notes.count() == 0 { Ok(builder) } else { Err(notes.into_faults()) }
 }
 
 /// What a scene's names do not mean, and values that do not fit them, each with its place: all that can be found without

@@ -45,6 +45,21 @@ positions in m, velocities in m/s; `vesper laws NAME` tells the units of others.
 
 A path of --set is names between dots: engine.step, constants.gravity, laws.NAME.PARAMETER, domains.NAME.COLUMN.ROW.")]
     Run(Run),
+    /// Measures speed against error: for a scene, or for a file of cases with known answers
+    #[command(after_help = "Examples:
+  vesper study examples/scenes/c7g-soft-spring-and-weight.toml
+  vesper study scene.toml --integrators leapfrog,gauss_radau_15 --steps 0.1,0.01 --out results
+  vesper study scene.toml --precisions f32,f64 --compensated --of bodies.position
+  vesper study examples/references.json --cases kepler_e0.9,pythagorean
+  vesper study examples/references.json --out results --resume results/study.json
+
+A scene needs no known answer: two unlike integrators at tight tolerances make one, and the table says how far they are
+apart. Each integrator goes from coarse to fine until it comes no nearer, or until a run would take longer than --limit.
+
+--out DIR writes study.json, study.csv and a diagram of error against time (NAME.svg) for the scene or for each case;
+files of these names that are in DIR are overwritten. Errors are the largest over all times and rows, each quantity by its
+largest magnitude, or by the scale that a case gives.")]
+    Study(Study),
     /// Prints the law graph of a scene: who runs, in which order, why, where, and who does not
     #[command(after_help = "Examples:
   vesper explain examples/scenes/solar-system.toml
@@ -120,6 +135,65 @@ pub struct Run {
     pub resume: Option<PathBuf>,
 }
 
+/// `vesper study`.
+#[derive(Args, Debug)]
+pub struct Study {
+    /// The scene file, or a file of cases (.json)
+    #[arg(value_name = "SCENE|CASES")]
+    pub file: PathBuf,
+    /// Time to stop at, in s
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub end: Option<String>,
+    /// Threads for parallel laws [default: all cores]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub threads: Option<String>,
+    /// Every law must run: one that lacks its data is a mistake of the scene
+    #[arg(long)]
+    pub strict: bool,
+    /// Sets one value of the scene, as in engine.step=1e-3; may be given many times
+    #[arg(long = "set", value_name = "PATH=VALUE", allow_hyphen_values = true)]
+    pub set: Vec<String>,
+    /// Integrators to try [default: all]
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
+    pub integrators: Vec<String>,
+    /// Fixed steps to try, in s [default: halves of the scene's, or of one that suits it]
+    #[arg(long, value_name = "S,..", value_delimiter = ',', allow_negative_numbers = true)]
+    pub steps: Vec<String>,
+    /// Tolerances of adaptive integrators to try [default: tenths]
+    #[arg(long, value_name = "T,..", value_delimiter = ',', allow_negative_numbers = true)]
+    pub tolerances: Vec<String>,
+    /// Number types to try
+    #[arg(long, value_name = "f32,f64", value_delimiter = ',', default_value = "f64")]
+    pub precisions: Vec<String>,
+    /// Every run also with the rounding errors of the state kept and added back [default: those that rounding limits]
+    #[arg(long)]
+    pub compensated: bool,
+    /// Backends to try: auto, cpu, parallel
+    #[arg(long, value_name = "B,..", value_delimiter = ',', default_value = "auto")]
+    pub backends: Vec<String>,
+    /// What is compared, as DOMAIN.PROPERTY [default: all that the scene shows]
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
+    pub of: Vec<String>,
+    /// Cases to try [default: all of the file]
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
+    pub cases: Vec<String>,
+    /// Time that one run may take, in s
+    #[arg(long, value_name = "S", default_value = "1", allow_negative_numbers = true)]
+    pub limit: String,
+    /// Folder for study.json, study.csv and diagrams
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print one JSON object on standard output, and nothing else there
+    #[arg(long)]
+    pub json: bool,
+    /// No progress bar and no table
+    #[arg(long)]
+    pub quiet: bool,
+    /// Take the runs of an earlier study.json as they are
+    #[arg(long, value_name = "FILE")]
+    pub resume: Option<PathBuf>,
+}
+
 /// `vesper explain`.
 #[derive(Args, Debug)]
 pub struct Explain {
@@ -154,6 +228,19 @@ impl Run {
             option("--step", "step", self.step.as_ref(), OptionKind::Seconds),
         ];
         self.scene.overrides().into_iter().chain(times.into_iter().flatten()).collect()
+    }
+}
+
+impl Study {
+    /// All changes of the scene.
+    pub fn overrides(&self) -> Vec<Override> {
+        use OptionKind::{Flag, Number, Seconds};
+        let settings = [
+            option("--threads", "threads", self.threads.as_ref(), Number),
+            option("--strict", "strict", self.strict.then(String::new).as_ref(), Flag),
+            option("--end", "end", self.end.as_ref(), Seconds),
+        ];
+        settings.into_iter().flatten().chain(self.set.iter().cloned().map(Override::Set)).collect()
     }
 }
 

@@ -6,11 +6,17 @@
 mod arguments;
 mod laws;
 mod run;
+mod study;
 
 pub use arguments::{Arguments, Command};
 
 use std::io::Write;
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use signal_hook::consts::SIGINT;
+use signal_hook::flag;
 
 use crate::assemble;
 use crate::fault::{SceneFault, print_faults};
@@ -46,6 +52,7 @@ impl From<Exit> for ExitCode {
 pub fn execute(arguments: &Arguments) -> Exit {
     let result = match &arguments.command {
         Command::Run(run) => run::run(run),
+        Command::Study(study) => study::study(study),
         Command::Explain(explain) => self::explain(explain),
         Command::Laws { name } => laws::laws(name.as_deref()),
     };
@@ -99,6 +106,16 @@ fn written(result: std::io::Result<()>) -> Exit {
 pub fn refuse(error: &clap::Error) -> Exit {
     let printed = error.print().and_then(|()| std::io::stdout().flush());
     if error.use_stderr() { Exit::Wrong } else { written(printed) }
+}
+
+/// A flag that the first Ctrl-C sets; the second one ends the command at once.
+fn stop_on_interrupt() -> Arc<AtomicBool> {
+    let stop = Arc::new(AtomicBool::new(false));
+    // In this order: the first time the flag is not yet set when it is asked for. Where no handler can be had, the first
+    // Ctrl-C ends the command, as it would without.
+    _ = flag::register_conditional_shutdown(SIGINT, 130, stop.clone())
+        .and_then(|_| flag::register(SIGINT, stop.clone()));
+    stop
 }
 
 /// Writes to standard error.

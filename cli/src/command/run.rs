@@ -1,16 +1,12 @@
 //! `vesper run`.
 
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
-use signal_hook::consts::SIGINT;
-use signal_hook::flag;
 use vesper::prelude::Checkpoint;
 use vesper_laws::catalog::CatalogPrecision;
 
 use super::arguments::Run;
-use super::{Exit, complain, precision, read, say};
+use super::{Exit, complain, precision, read, say, stop_on_interrupt};
 use crate::fault::{SceneFault, number};
 use crate::output::folder::{CHECKPOINT, Folder};
 use crate::output::picture::worth_adding;
@@ -88,16 +84,6 @@ fn go<P: CatalogPrecision>(
         Exit::Done if outcome.interrupted => Exit::Interrupted,
         said => said,
     })
-}
-
-/// A flag that the first Ctrl-C sets; the second one ends the command at once.
-fn stop_on_interrupt() -> Arc<AtomicBool> {
-    let stop = Arc::new(AtomicBool::new(false));
-    // In this order: the first time the flag is not yet set when it is asked for. Where no handler can be had, the first
-    // Ctrl-C ends the command, as it would without.
-    _ = flag::register_conditional_shutdown(SIGINT, 130, stop.clone())
-        .and_then(|_| flag::register(SIGINT, stop.clone()));
-    stop
 }
 
 fn tell(arguments: &Run, scene: &Scene, outcome: &Outcome, every: u64, files: &[String]) -> Exit {

@@ -8,6 +8,7 @@ pub mod folder;
 pub mod json;
 pub mod picture;
 pub mod summary;
+pub(crate) mod svg;
 pub mod table;
 mod trails;
 

@@ -5,6 +5,7 @@
 
 use std::fmt::{self, Write};
 
+use super::svg::{Svg, colour};
 use super::trails::{MOST_TRAILS, Trail};
 pub use super::trails::{Trails, worth_adding};
 use super::{rounded, title};
@@ -20,10 +21,6 @@ const LEGEND: f64 = 190.0;
 const MOST_NAMES: [usize; 2] = [24, 12];
 /// Points nearer than this, in pixels, are one.
 const NEAR: f64 = 0.4;
-const COLOURS: [&str; 12] = [
-    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56b4e9", "#7f3c8d", "#8c564b", "#e41a1c", "#4d4d4d",
-    "#66a61e", "#17becf",
-];
 
 /// A picture of trails.
 #[derive(Debug)]
@@ -112,11 +109,7 @@ impl Picture {
         let width = (LEFT + view.width + legend).max(LEFT + 24.0 + 9.6 * title.chars().count() as f64);
         let names = if named { rows as f64 } else { 0.0 };
         let height = (TOP + view.height + BOTTOM).max(TOP + 20.0 * (names + 4.0));
-        let mut svg = Svg { text: String::new() };
-        svg.line(format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"sans-serif\" font-size=\"13\">"
-        ));
-        svg.line(format!("<rect width=\"{width:.0}\" height=\"{height:.0}\" fill=\"#ffffff\"/>"));
+        let mut svg = Svg::begin(width, height);
         svg.text(LEFT, 26.0, "font-size=\"17\" font-weight=\"bold\"", &title);
         let times = format!("from {} to {}", duration(trails.begin), duration(trails.end));
         svg.text(LEFT, 47.0, "fill=\"#555\"", &times);
@@ -141,21 +134,7 @@ impl Picture {
     }
 }
 
-/// SVG text that is being written.
-struct Svg {
-    text: String,
-}
-
 impl Svg {
-    fn line(&mut self, line: String) {
-        self.text += &line;
-        self.text.push('\n');
-    }
-
-    fn text(&mut self, x: f64, y: f64, style: &str, words: &str) {
-        self.line(format!("<text x=\"{x:.1}\" y=\"{y:.1}\" {style}>{}</text>", escaped(words)));
-    }
-
     /// Frame, grid, ticks, names of the axes with their unit.
     fn axes(&mut self, view: &View) {
         let (right, bottom) = (LEFT + view.width, TOP + view.height);
@@ -279,15 +258,6 @@ impl Svg {
     }
 }
 
-/// The colour of row `index` of so many: names of their own for a few, else all round the circle of hues.
-fn colour(index: usize, rows: usize) -> String {
-    if rows <= COLOURS.len() {
-        return COLOURS[index % COLOURS.len()].to_owned();
-    }
-    // By the golden angle, so that neighbours differ.
-    format!("hsl({:.0},65%,40%)", (index as f64 * 137.508) % 360.0)
-}
-
 /// A unit in which `extent` is a number of a few digits, and its metres.
 fn length_unit(extent: f64) -> (&'static str, f64) {
     const UNITS: [(&str, f64, f64); 6] = [
@@ -329,12 +299,6 @@ pub(crate) fn duration(seconds: f64) -> String {
 
 fn shortened(name: &str) -> String {
     if name.chars().count() <= 20 { name.to_owned() } else { name.chars().take(19).chain(['…']).collect() }
-}
-
-/// Without what XML gives a meaning to, or cannot hold.
-fn escaped(text: &str) -> String {
-    let plain: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    plain.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]

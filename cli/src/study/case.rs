@@ -22,6 +22,8 @@ pub struct Case {
     /// What errors of positions and of velocities are measured by; where the file does not say, the largest magnitudes in
     /// the samples.
     pub scale: [f64; 2],
+    /// What no motion changes: "energy", "momentum", "angular_momentum", "jacobi" and others; where the file says it.
+    pub conserved: Option<Vec<String>>,
 }
 
 /// A body at the start.
@@ -154,6 +156,7 @@ fn case(reader: &Reader<'_>) -> Result<Case, String> {
         start: reader.optional("t0").map_or(Ok(0.0), |start| start.precise())?,
         samples,
         scale,
+        conserved: reader.optional("conserved").map(|names| names.list(|name| name.text())).transpose()?,
     })
 }
 

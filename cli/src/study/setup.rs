@@ -7,7 +7,7 @@ use vesper_laws::{
     RelativisticVelocity, RotatingFrame, Spring as HookeSpring, UniformGravity,
 };
 
-use super::case::{Body, Case, CaseLaw, Region, Sample, Spring};
+use super::case::{Body, Case, CaseLaw, Region, Spring};
 
 const BODIES: &str = "bodies";
 
@@ -194,21 +194,9 @@ fn field_box(value: [f64; 3], region: &Option<Region>) -> FieldBox {
     FieldBox { min, max, value }
 }
 
-/// The largest distance of a body from its answer; positions and velocities each by the case's scale. Infinite where a
-/// number is none.
-pub(super) fn error<P: Precision>(case: &Case, sample: &Sample, engine: &Engine<P>) -> f64 {
-    let Ok(places) = engine.state().numbers(BODIES, Position) else { return f64::INFINITY };
-    let Some(velocities) = velocities(case, engine) else { return f64::INFINITY };
-    let distance = |given: &[f64], exact: &[f64; 3]| (DVec3::from_slice(given) - DVec3::from_array(*exact)).length();
-    let mut worst = 0.0;
-    for (body, (place, velocity)) in places.chunks_exact(3).zip(velocities.chunks_exact(3)).enumerate() {
-        let position = distance(place, &sample.position[body]) / case.scale[0];
-        let velocity = distance(velocity, &sample.velocity[body]) / case.scale[1];
-        for error in [position, velocity] {
-            worst = if error.is_finite() { f64::max(worst, error) } else { f64::INFINITY };
-        }
-    }
-    worst
+/// Positions and velocities; `None` where an engine does not have them.
+pub(super) fn numbers<P: Precision>(case: &Case, engine: &Engine<P>) -> Option<Vec<Vec<f64>>> {
+    Some(vec![engine.state().numbers(BODIES, Position).ok()?, velocities(case, engine)?])
 }
 
 fn velocities<P: Precision>(case: &Case, engine: &Engine<P>) -> Option<Vec<f64>> {

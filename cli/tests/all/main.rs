@@ -7,3 +7,4 @@ mod names;
 mod references;
 mod scene;
 mod scene_mistakes;
+mod study;

@@ -418,10 +418,10 @@ fn machine(threads: Option<usize>, isa: Option<Isa>, faults: &mut Vec<Fault>) ->
             let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
             pool.map_err(|error| faults.push(Fault::ThreadPool { reason: error.to_string() })).ok()
         });
-        Machine { isa, threads: threads.unwrap_or_else(cores), pool: pool.map(Arc::new), probe: None }
+        Machine { isa, threads: threads.unwrap_or_else(cores), pool: pool.map(Arc::new), probe: None, stop: None }
     }
     #[cfg(not(feature = "parallel"))]
-    Machine { isa, threads: 1, probe: None }
+    Machine { isa, threads: 1, probe: None, stop: None }
 }
 
 /// Logs, once, every law that falls asleep, and every one that wakes.

@@ -18,6 +18,7 @@ use crate::real::{Scalar, compiled_here};
 use crate::registry::{Backend, Report, Status};
 use crate::state::State;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// A state, the laws that drive it, and the method that integrates them.
 pub struct Engine<P: Scalar> {
@@ -392,6 +393,12 @@ impl<P: Scalar> Engine<P> {
             |runner| runner.run(Key::Energy),
         )?;
         Ok((energy, silent))
+    }
+
+    /// Lets another thread stop an adaptive integrator inside a frame: once the flag is true, [`Engine::advance`] comes
+    /// back with a fault, and the state is that of the last step that was accepted.
+    pub fn stop_on(&mut self, flag: Option<Arc<AtomicBool>>) {
+        self.machine.stop = flag;
     }
 
     /// Watches how long laws take.

@@ -96,7 +96,10 @@ impl Span {
 
     /// Cuts the next step: its length, and whether it is the last one. Refuses one that the time cannot tell from none,
     /// and a pace at which the span would take years: a law that jumps to and fro asks for steps of no length.
-    pub(super) fn cut(&mut self, name: &str, next: f64) -> Result<(f64, bool), Fault> {
+    pub(super) fn cut(&mut self, system: &dyn System, name: &str, next: f64) -> Result<(f64, bool), Fault> {
+        if system.is_stopped() {
+            return Err(Fault::Stopped { integrator: name.to_owned(), time: self.begin + self.done });
+        }
         let (step, last) = Steps::cut(next, self.rest());
         let time = self.begin + self.done;
         if !(step > 0.0 && time + step > time) {

@@ -109,7 +109,7 @@ impl Integrator for GaussRadau15 {
         while span.rest() > 0.0 {
             system.evaluate(of.part);
             let next = self.steps.begin(system, 15, self.precision, step);
-            let (mut length, mut last) = span.cut(NAME, next)?;
+            let (mut length, mut last) = span.cut(system, NAME, next)?;
             let before = self.last.take();
             if let Some(before) = before {
                 self.foretell(system, of, [1.0, length / before]);
@@ -132,7 +132,7 @@ impl Integrator for GaussRadau15 {
                 system.set_time(time);
                 self.steps.next = Some(best);
                 let tried = length;
-                (length, last) = span.cut(NAME, best)?;
+                (length, last) = span.cut(system, NAME, best)?;
                 if closed {
                     self.foretell(system, of, [0.0, length / tried]);
                 } else {

@@ -64,7 +64,7 @@ impl<const ERRORS: usize> Embedded<ERRORS> {
                 progress.holds_first = true;
             }
             let next = progress.steps.begin(system, self.control.order, tolerance.relative, length);
-            let (step, last) = span.cut(self.name, next)?;
+            let (step, last) = span.cut(system, self.name, next)?;
             system.copy(START, Register::State, Part::All);
             let time = system.time();
             self.try_step(system, time, step);

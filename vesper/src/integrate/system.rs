@@ -59,6 +59,10 @@ pub trait System {
     fn coordinates_follow_momenta(&mut self) -> bool;
     /// The distance from 1 to the next number of the state's precision.
     fn epsilon(&self) -> f64;
+    /// Whether somebody asks an integrator that may take long to come back.
+    fn is_stopped(&self) -> bool {
+        false
+    }
     /// Notes a step that an adaptive integrator has tried, for the report.
     fn count_step(&mut self, accepted: bool);
 

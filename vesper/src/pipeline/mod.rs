@@ -36,6 +36,7 @@ use crate::real::{Isa, Scalar};
 use crate::registry::{Entry, QuantityId, Registry, Tie};
 use crate::state::State;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Watches how long laws take. The core starts no clock: whoever wants times brings one.
 pub trait Probe: Send + Sync {
@@ -60,6 +61,8 @@ pub(crate) struct Machine {
     #[cfg(feature = "parallel")]
     pub(crate) pool: Option<Arc<rayon::ThreadPool>>,
     pub(crate) probe: Option<Arc<dyn Probe>>,
+    /// Once it is true, adaptive integrators come back.
+    pub(crate) stop: Option<Arc<AtomicBool>>,
 }
 
 /// The laws of a run, ordered and tied to a state's layout.

@@ -10,6 +10,7 @@ use crate::law::{ColumnAccess, Part, PortView};
 use crate::property::{Property, PropertyInfo, Time};
 use crate::real::{Isa, Scalar};
 use crate::state::State;
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, OnceLock};
 
 /// What every pass of a run shares.
@@ -255,6 +256,10 @@ impl<P: Scalar> System for Runner<'_, P> {
 
     fn epsilon(&self) -> f64 {
         P::EPSILON
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.context.machine.stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
     fn count_step(&mut self, accepted: bool) {

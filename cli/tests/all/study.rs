@@ -1,0 +1,104 @@
+//! `vesper study`: what it prints and writes, from a scene without an answer and from cases with one.
+
+use serde_json::Value;
+
+use crate::common::{Scratch, done, vesper};
+
+const SPRING: &str = r#"
+title = "two masses on a spring"
+[engine]
+step = 0.01
+end = 2.0
+[domains.bodies]
+mass = [1.0, 2.0]
+position = [[-1, 0, 0], [1, 0, 0]]
+velocity = [[0, 0.1, 0], [0, 0, 0]]
+[domains.springs]
+ends = { domain = "bodies", value = [[0, 1]] }
+stiffness = [30.0]
+rest_length = [1.5]
+[[laws]]
+name = "motion"
+[[laws]]
+name = "spring"
+"#;
+
+#[test]
+fn a_scene_without_an_answer_gets_one_and_a_diagram() {
+    let folder = Scratch::new("study-scene");
+    let (scene, out) = (folder.write("spring.toml", SPRING), folder.file("out"));
+    let asked = "leapfrog,dormand_prince_8,symplectic_6";
+    let told = done(["study", &scene, "--integrators", asked, "--limit", "0.05", "--out", &out, "--json"]).json();
+    let runs = told["runs"].as_array().unwrap();
+    let errors = |name: &str| -> Vec<(f64, f64, f64)> {
+        let of = runs.iter().filter(|run| run["integrator"] == name && run["compensated"] == false);
+        let number = |run: &Value, key: &str| run[key].as_f64().unwrap_or(f64::NAN);
+        of.map(|run| (number(run, "step"), number(run, "error"), number(run, "bound"))).collect()
+    };
+    // Order 2, from the scene's own step by halves.
+    let leapfrog = errors("leapfrog");
+    let at = |step: f64| leapfrog.iter().find(|(length, ..)| *length == step).unwrap().1;
+    let order = (at(0.01) / at(0.005)).log2();
+    assert!((order - 2.0).abs() < 0.05, "{order}");
+    assert!(runs.iter().all(|run| run["error"].as_f64() < run["bound"].as_f64()));
+    assert!(told["best"]["spring"]["error"].as_f64().unwrap() < 1e-12);
+    let cheap = &told["cheapest"]["spring"]["1e-6"];
+    assert!(cheap["bound"].as_f64().unwrap() <= 1e-6, "{cheap}");
+    let answer = told["answers"]["spring"]["by"].as_str().unwrap();
+    assert!(answer.starts_with("gauss_radau_15 with precision 1e-7; dormand_prince_8"), "{answer}");
+    let drawn = folder.read("out/spring.svg");
+    assert!(drawn.starts_with("<svg") && drawn.contains("symplectic_6") && drawn.trim_end().ends_with("</svg>"));
+    let lines = folder.read("out/study.csv").lines().count();
+    assert_eq!(lines, runs.len() + 1);
+    // The same again takes the runs as they are.
+    let resume = folder.file("out/study.json");
+    let again = done(["study", &scene, "--integrators", asked, "--limit", "0.05", "--resume", &resume, "--json"]);
+    assert_eq!(again.json()["runs"], told["runs"]);
+}
+
+#[test]
+fn cases_have_a_table_with_the_nearest_and_the_fastest() {
+    let cases = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/references.json");
+    let chosen = "projectile_vacuum,rel_force_free";
+    let done = done(["study", cases, "--cases", chosen, "--integrators", "gauss_radau_15,drift_kick_drift"]);
+    let lines: Vec<&str> = done.stdout.lines().collect();
+    assert!(lines[0].starts_with("case ") && lines[0].ends_with("fastest at 1e-12"), "{}", done.stdout);
+    assert!(lines[1].starts_with("projectile_vacuum ") && lines[2].starts_with("rel_force_free "), "{}", done.stdout);
+    assert!(done.stdout.contains("no drift_kick_drift for 1 of 2 cases (rel_force_free): "), "{}", done.stdout);
+}
+
+#[test]
+fn mistakes_are_told_all_at_once_and_nothing_runs() {
+    let cases = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/references.json");
+    let done = vesper([
+        "study",
+        cases,
+        "--cases",
+        "kepler_e0.8",
+        "--integrators",
+        "leapfog",
+        "--steps",
+        "-1",
+        "--precisions",
+        "f16",
+        "--of",
+        "bodies.position",
+    ]);
+    assert_eq!(done.status, 2);
+    let expected = [
+        "--of",
+        "--cases kepler_e0.8",
+        "did you mean `kepler_e0.9`?",
+        "--integrators leapfog",
+        "did you mean `leapfrog`?",
+        "--steps -1",
+        "--precisions f16",
+    ];
+    for text in expected {
+        assert!(done.stderr.contains(text), "{text}: {}", done.stderr);
+    }
+    let folder = Scratch::new("study-mistakes");
+    let done = vesper(["study", &folder.write("spring.toml", SPRING), "--of", "bodies.mass"]);
+    let expected = "--of bodies.mass: the scene does not show it; it shows bodies.position, bodies.velocity";
+    assert!(done.status == 2 && done.stderr.contains(expected), "{}", done.stderr);
+}
