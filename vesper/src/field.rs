@@ -14,6 +14,28 @@ pub trait Field<P: Scalar>: Send + Sync + 'static {
         None
     }
 
+    /// Whether it jumps between regions, each with a formula of its own. Integrators end their steps at the borders of such a
+    /// field.
+    fn has_regions(&self) -> bool {
+        false
+    }
+
+    /// The region that a place is in; any numbers that tell them apart.
+    fn region(&self, _position: P::Vec3) -> u64 {
+        0
+    }
+
+    /// The value that the formula of a region gives, wherever the place is.
+    fn sample_in(&self, _region: u64, position: P::Vec3, time: P) -> P::Vec3 {
+        self.sample(position, time)
+    }
+
+    /// How deep inside of a region a place is, in m: the distance from its border, or a number that goes to zero as that
+    /// does; below 0 outside.
+    fn depth(&self, _region: u64, _position: P::Vec3) -> P {
+        P::from_f64(1.0)
+    }
+
     /// The values at many places. One call for a block of rows, so that a closure behind a pointer costs little.
     fn sample_block(&self, [x, y, z]: [&[P]; 3], time: P, [to_x, to_y, to_z]: [&mut [P]; 3]) {
         for row in 0..x.len() {
@@ -36,7 +58,8 @@ pub struct Uniform {
     pub value: [f64; 3],
 }
 
-/// Boxes with a value each; 0 outside all, the sum where they overlap.
+/// Boxes with a value each; 0 outside all, the sum where they overlap. Up to 64 of them, integrators end their steps at the
+/// faces; of more, they go across them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Boxes {
     /// The boxes.
@@ -106,16 +129,51 @@ impl<P: Scalar> Field<P> for Uniform {
     }
 }
 
+impl FieldBox {
+    fn holds(&self, at: [f64; 3]) -> bool {
+        (0..3).all(|axis| self.min[axis] <= at[axis] && at[axis] < self.max[axis])
+    }
+
+    /// The distance from the nearest face, for a place inside; outside, less than 0, by the axis that is farthest off.
+    fn depth(&self, at: [f64; 3]) -> f64 {
+        let axis = |axis: usize| (at[axis] - self.min[axis]).min(self.max[axis] - at[axis]);
+        (0..3).map(axis).fold(f64::INFINITY, f64::min)
+    }
+}
+
+fn numbers<P: Scalar>(position: P::Vec3) -> [f64; 3] {
+    [position.x(), position.y(), position.z()].map(P::to_f64)
+}
+
 impl<P: Scalar> Field<P> for Boxes {
     fn sample(&self, position: P::Vec3, _time: P) -> P::Vec3 {
-        let at = [position.x(), position.y(), position.z()].map(P::to_f64);
-        let mut sum = P::Vec3::zero();
-        for part in &self.boxes {
-            if (0..3).all(|axis| part.min[axis] <= at[axis] && at[axis] < part.max[axis]) {
-                sum += vector::<P>(part.value);
-            }
-        }
-        sum
+        let at = numbers::<P>(position);
+        let inside = self.boxes.iter().filter(|part| part.holds(at));
+        inside.fold(P::Vec3::zero(), |sum, part| sum + vector::<P>(part.value))
+    }
+
+    fn has_regions(&self) -> bool {
+        !self.boxes.is_empty() && self.boxes.len() <= 64
+    }
+
+    /// A bit for each box that the place is in.
+    fn region(&self, position: P::Vec3) -> u64 {
+        let at = numbers::<P>(position);
+        self.boxes.iter().enumerate().map(|(number, part)| u64::from(part.holds(at)) << number).sum()
+    }
+
+    fn sample_in(&self, region: u64, _position: P::Vec3, _time: P) -> P::Vec3 {
+        let inside = self.boxes.iter().enumerate().filter(|(number, _)| region >> number & 1 == 1);
+        inside.fold(P::Vec3::zero(), |sum, (_, part)| sum + vector::<P>(part.value))
+    }
+
+    fn depth(&self, region: u64, position: P::Vec3) -> P {
+        let at = numbers::<P>(position);
+        let depths = self.boxes.iter().enumerate().map(|(number, part)| {
+            let depth = part.depth(at);
+            if region >> number & 1 == 1 { depth } else { -depth }
+        });
+        P::from_f64(depths.fold(f64::INFINITY, f64::min).clamp(-1e300, 1e300))
     }
 }
 

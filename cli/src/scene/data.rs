@@ -72,6 +72,8 @@ pub struct EngineSettings {
     pub strict: Option<Spanned<bool>>,
     /// Whether rounding errors of the state are kept and added back.
     pub compensated: Option<Spanned<bool>>,
+    /// Whether steps go across jumps of laws and fields.
+    pub across_jumps: Option<Spanned<bool>>,
     /// Columns to observe, as `domain.property`; `None` means every state property.
     pub observe: Option<Vec<Spanned<String>>>,
 }

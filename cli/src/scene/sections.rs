@@ -16,8 +16,19 @@ const BACKENDS: [(&str, BackendChoice); 4] = [
 ];
 
 /// Keys of `[engine]`.
-pub(crate) const ENGINE: [&str; 10] =
-    ["precision", "integrator", "step", "frame", "end", "backend", "threads", "strict", "compensated", "observe"];
+pub(crate) const ENGINE: [&str; 11] = [
+    "precision",
+    "integrator",
+    "step",
+    "frame",
+    "end",
+    "backend",
+    "threads",
+    "strict",
+    "compensated",
+    "across_jumps",
+    "observe",
+];
 
 /// `[engine]`.
 pub(crate) fn engine(walk: &mut Walk, node: &Node) -> EngineSettings {
@@ -38,6 +49,7 @@ pub(crate) fn engine(walk: &mut Walk, node: &Node) -> EngineSettings {
             "threads" => settings.threads = walk.count_from(node, 1),
             "strict" => settings.strict = walk.flag(node),
             "compensated" => settings.compensated = walk.flag(node),
+            "across_jumps" => settings.across_jumps = walk.flag(node),
             "observe" => settings.observe = observe(walk, node),
             _ => {}
         }

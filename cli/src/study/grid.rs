@@ -215,6 +215,7 @@ impl Climb<'_> {
         let made = (method.integrator.make)(&|_, usual| usual);
         let adaptive = made.is_adaptive();
         let Setting::Step(first) = method.setting else { return Ok(None) };
+        let usual = usual(&method);
         let given = if adaptive { grid.tolerances.is_some() } else { grid.steps.is_some() };
         let resolved = RESOLVED[usize::from(method.numbers == Numbers::F32)];
         let (mut best, mut stalled, mut before) = (f64::INFINITY, 0, 0.0);
@@ -242,7 +243,9 @@ impl Climb<'_> {
             // What the next one will take, if it grows as it did.
             let next = wall * if rung == from { 2.0 } else { (wall / f64::max(before, 1e-9)).clamp(1.0, 2.0) };
             before = wall;
-            if stalled >= STALLED && best < resolved && !given {
+            // At loose tolerances it may be something else that limits a step, and all runs are alike.
+            let usual_yet = !matches!(setting, Setting::Tolerance(tolerance) if tolerance > usual);
+            if stalled >= STALLED && best < resolved && usual_yet && !given {
                 return Ok(Some(rung - stalled));
             }
             // What it may come to, if its order holds.
@@ -254,6 +257,19 @@ impl Climb<'_> {
         }
         Ok(None)
     }
+}
+
+/// The tolerance of an adaptive integrator as it is.
+fn usual(method: &Method) -> f64 {
+    let found = core::cell::Cell::new(f64::INFINITY);
+    let first = method.integrator.options.first();
+    _ = (method.integrator.make)(&|name, usual| {
+        if first == Some(&name) {
+            found.set(usual);
+        }
+        usual
+    });
+    found.get()
 }
 
 /// The next lower of 1, 2, 5 times a power of ten.

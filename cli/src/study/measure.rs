@@ -90,6 +90,9 @@ struct Went {
     broke: Option<String>,
 }
 
+/// The part of a problem's least scale that counts as nothing: what is at rest shall not be held to a relative error.
+pub const AT_REST: f64 = 1e-6;
+
 /// Runs that took less than this, in s, are repeated, the first so often, the second so often.
 const SHORT: [(f64, usize); 2] = [(0.02, 5), (0.2, 3)];
 
@@ -102,12 +105,11 @@ impl Method {
         }
     }
 
-    fn configure<P: CatalogPrecision>(&self, builder: Builder<P>) -> Builder<P> {
+    fn configure<P: CatalogPrecision>(&self, builder: Builder<P>, least_scale: f64) -> Builder<P> {
         let first = self.integrator.options.first();
         let option = |name: &str, usual: f64| match self.setting {
             Setting::Tolerance(tolerance) if first == Some(&name) => tolerance,
-            // Relative errors alone.
-            Setting::Tolerance(_) if name == "atol" => 0.0,
+            Setting::Tolerance(tolerance) if name == "atol" => tolerance * AT_REST * least_scale,
             _ => usual,
         };
         let builder = builder.boxed_integrator((self.integrator.make)(&option)).backend(self.backend);
@@ -123,7 +125,9 @@ impl Method {
     }
 
     fn go_as<P: CatalogPrecision>(&self, problem: &Problem, patience: &Patience, looks: bool) -> Result<Went, String> {
-        let mut engine = problem.engine::<P>(|builder| self.configure(builder))?;
+        let scales = problem.answer.as_ref().map_or(&[][..], |answer| &answer.scales);
+        let least_scale = scales.iter().copied().reduce(f64::min).unwrap_or(0.0);
+        let mut engine = problem.engine::<P>(|builder| self.configure(builder, least_scale))?;
         let stop = Arc::new(AtomicBool::new(false));
         engine.stop_on(Some(stop.clone()));
         let mut went = Went {

@@ -145,6 +145,7 @@ impl<P: Precision> Parts<P> {
                 stiffness: *stiffness,
                 damping: *damping,
                 friction: *friction,
+                resting_speed: 1e-6,
             }),
         }
     }

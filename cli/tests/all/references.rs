@@ -3,7 +3,7 @@
 use vesper::prelude::*;
 use vesper_cli::assemble::integrators::integrator;
 use vesper_cli::scene::Precision as Numbers;
-use vesper_cli::study::{Case, Method, Patience, Problem, Run, Setting, answer, builder, makers, measure, read};
+use vesper_cli::study::{Answer, Case, Method, Patience, Problem, Run, Setting, answer, makers, measure, read};
 
 fn cases() -> Vec<Case> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/references.json");
@@ -16,14 +16,11 @@ fn run(case: &Case, name: &str, setting: Setting) -> Run {
     measure(&Problem::of_case(case.clone()), &method, &Patience { limit: 600.0, ..Patience::default() }).unwrap()
 }
 
-/// Cases whose laws jump: without a step that ends at the jump no method is of more than first order there.
-const JUMPS: [&str; 4] = ["mass_spectrograph", "bounce_elastic", "bounce_damped", "sliding_friction_stop"];
-
 /// A million periods, which take minutes.
 const LONG: &str = "oscillator_1e6_periods";
 
 /// Errors above ten times what the rounding of the input makes, in such units, and why.
-const ABOVE: [(&str, f64); 6] = [
+const ABOVE: [(&str, f64); 7] = [
     // Each of the three bodies passes another one at a thousandth of their distance, again and again; the roundings of one
     // passage are multiplied by the next ones.
     ("pythagorean", 1e5),
@@ -34,15 +31,16 @@ const ABOVE: [(&str, f64); 6] = [
     ("hanging_chain_1000to1", 10.0),
     ("orbiting_dumbbell", 10.0),
     ("fpu_omega50", 5.0),
+    // What is left of the velocity when sliding ends is that of rounding errors on the way.
+    ("sliding_friction_stop", 20.0),
 ];
 
 #[test]
 fn gauss_radau_comes_down_to_rounding() {
     let cases = cases();
     assert_eq!(cases.len(), 50);
-    let smooth = cases.iter().filter(|case| !JUMPS.contains(&case.id.as_str()) && case.id != LONG);
     let mut above = Vec::new();
-    for case in smooth {
+    for case in cases.iter().filter(|case| case.id != LONG) {
         let run = run(case, "gauss_radau_15", Setting::Tolerance(1e-7));
         let (error, by_floor) = (run.error.unwrap(), run.by_floor.unwrap_or(run.error.unwrap() / 1e-12));
         println!("{:28} {error:.1e} {by_floor:8.1e} {:8}", case.id, run.evaluations);
@@ -84,40 +82,42 @@ fn an_answer_that_is_made_bounds_the_true_error() {
         let truth = Problem::of_case(case.clone());
         let patience = Patience { limit: 600.0, ..Patience::default() };
         let mut blind = truth.clone().without_answer();
-        blind.answer = Some(answer(&blind, &makers(), &patience).unwrap());
-        for tolerance in [1e-5, 1e-9] {
+        let (given, made) = (truth.answer.as_ref().unwrap(), answer(&blind, &makers(), &patience).unwrap());
+        // In the scales of the case, so that errors can be compared.
+        let larger = made.scales.iter().zip(&given.scales).map(|(made, given)| made / given).fold(0.0, f64::max);
+        let uncertainty = larger * made.uncertainty;
+        blind.answer = Some(Answer { scales: given.scales.clone(), uncertainty, ..made });
+        for tolerance in [1e-5, 1e-9, 1e-13] {
             let (setting, integrator) = (Setting::Tolerance(tolerance), integrator("dormand_prince_8").unwrap());
             let method =
                 Method { integrator, setting, numbers: Numbers::F64, compensated: false, backend: Backend::Auto };
             let [known, claimed] = [&truth, &blind].map(|problem| measure(problem, &method, &patience).unwrap());
-            let scales = (&truth.answer, &blind.answer);
-            let (Some(given), Some(made)) = scales else { unreachable!() };
-            // In the scales of the one that does not know the answer.
-            let most = given.scales.iter().zip(&made.scales).map(|(given, made)| given / made).fold(0.0, f64::max);
-            let least =
-                given.scales.iter().zip(&made.scales).map(|(given, made)| given / made).fold(f64::MAX, f64::min);
             let (error, bound) = (known.error.unwrap(), claimed.bound.unwrap());
             println!("{} {tolerance:e}: {error:.2e} at most {bound:.2e}", case.id);
-            assert!(error * least <= bound && bound < 10.0 * most * error + 1e-9, "{}: {error} {bound}", case.id);
+            assert!(error <= bound && bound < 1.1 * error + 10.0 * uncertainty, "{}: {error} {bound}", case.id);
         }
     }
 }
 
 #[test]
-fn friction_at_rest_ends_an_adaptive_run_with_a_fault_and_not_never() {
-    let cases = cases();
-    let sliding = cases.iter().find(|case| case.id == "sliding_friction_stop").unwrap();
-    // It comes to rest after 2.04 s; then the force changes sign with every trial.
+fn a_law_that_jumps_without_a_switch_ends_an_adaptive_run_with_a_fault_and_not_never() {
+    // Friction that turns with the velocity: it comes to rest after 2 s; then the force changes sign with every trial.
+    let friction = || {
+        let body = |velocity: &[f64], force: &mut [f64]| force[0] = if velocity[0] > 0.0 { -1.0 } else { 1.0 };
+        DynLaw::new("friction").reads(Velocity).adds(Force).body(body)
+    };
     let integrators: [Box<dyn Integrator>; 3] =
         [Box::<DormandPrince5>::default(), Box::<DormandPrince8>::default(), Box::<GaussRadau15>::default()];
     for integrator in integrators {
         let name = integrator.name();
-        let mut engine = builder::<f64>(sliding).boxed_integrator(integrator).build().unwrap();
+        let body = Domain::new("bodies").with(Position, [[0.0; 3]]).with(Velocity, [[2.0, 0.0, 0.0]]).with(Mass, [1.0]);
+        let builder = Engine::<f64>::builder().domain(body).law(friction()).law(vesper_laws::Motion);
+        let mut engine = builder.boxed_integrator(integrator).build().unwrap();
         let fault = engine.advance(1e3).unwrap_err();
         println!("{fault}");
         let short = fault.iter().any(|fault| matches!(fault, Fault::StepTooShort { .. } | Fault::TooManyTries { .. }));
         assert!(short && fault.to_string().contains(name), "{fault}");
-        assert!((2.0..2.1).contains(&engine.time()), "{name}: {}", engine.time());
+        assert!((1.99..2.1).contains(&engine.time()), "{name}: {}", engine.time());
     }
 }
 

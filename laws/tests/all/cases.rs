@@ -159,9 +159,11 @@ fn c5_dampers_along_the_threads_never_add_energy() {
     println!("dampers alone: energy {first} J to {before} J in 120 s");
 }
 
-/// Where each particle comes back to y = 0, interpolated within the step, less where it should: in m.
+/// Where each particle comes back to y = 0, interpolated within the step, less where it should: in m. Steps go across the
+/// jumps of the fields.
 fn landing_errors(integrator: impl Integrator + 'static, step: f64) -> [f64; 6] {
-    let mut engine = Spectrograph.engine::<f64>(integrator, step).unwrap();
+    let builder = Spectrograph.setup(Engine::<f64>::builder()).across_jumps();
+    let mut engine = builder.integrator(integrator).step(step).build().unwrap();
     let mut landed = [None; 6];
     let mut before = engine.state().values("bodies", Position).unwrap();
     while landed.iter().any(Option::is_none) {
@@ -182,7 +184,7 @@ fn landing_errors(integrator: impl Integrator + 'static, step: f64) -> [f64; 6] 
 
 #[test]
 fn c6_six_particles_land_where_they_should() {
-    // The field that a particle feels jumps at y = 0, and a step across the jump takes the wrong one for up to its whole
+    // The field that a particle feels jumps at y = 0, and a step that goes across the jump takes the wrong one for up to its whole
     // length: the speed is off by up to q E h / m or the direction by up to q B h / m, so the landing by some v h. That is
     // first order in the step for any integrator: a tenth of the step gives a tenth of the bound, and no better integrator
     // helps.

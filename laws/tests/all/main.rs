@@ -5,6 +5,7 @@ mod backends;
 mod cases;
 mod catalog;
 mod conservation;
+mod jumps;
 mod macros;
 mod orders;
 mod precision;

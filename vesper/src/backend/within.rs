@@ -78,7 +78,7 @@ const fn use_of(port: &Port) -> Use {
         Mode::Adds => Use::Add,
         Mode::Rates => match port.property.role {
             Role::Coordinate => Use::Drift,
-            Role::Momentum(_) | Role::Plain | Role::Sum { .. } => Use::Kick,
+            Role::Momentum(_) | Role::Plain | Role::Switch | Role::Sum { .. } => Use::Kick,
         },
     }
 }

@@ -7,7 +7,7 @@ use crate::domain::{AsProperty, Domain, SCENE};
 use crate::error::{Fault, Faults, nearest};
 use crate::field::Field;
 use crate::integrate::{Integrator, Leapfrog};
-use crate::pipeline::{Chain, Chained, Listed, Machine, Pipeline};
+use crate::pipeline::{Chain, Chained, Listed, Machine, Pipeline, Settings};
 use crate::property::PropertyInfo;
 use crate::real::{Isa, Scalar, compiled_here};
 use crate::registry::{Backend, Entry, Options, Report, Status};
@@ -139,8 +139,7 @@ pub struct Builder<P: Scalar> {
     step: Option<f64>,
     observe: Vec<(String, String)>,
     required: Vec<String>,
-    strict: bool,
-    compensated: bool,
+    settings: Settings,
     backend: Backend,
     threads: Option<usize>,
     isa: Option<Isa>,
@@ -165,8 +164,7 @@ impl<P: Scalar> Default for Builder<P> {
             step: None,
             observe: Vec::new(),
             required: Vec::new(),
-            strict: false,
-            compensated: false,
+            settings: Settings::default(),
             backend: Backend::Auto,
             threads: None,
             isa: None,
@@ -254,7 +252,16 @@ impl<P: Scalar> Builder<P> {
     /// steps, and for f32. Costs a vector as long as the state, and loops of their own for kicks and drifts.
     #[must_use]
     pub fn compensated(mut self) -> Self {
-        self.compensated = true;
+        self.settings.compensated = true;
+        self
+    }
+
+    /// Lets steps go across jumps of laws and fields, which are otherwise looked for: a step is cut where a switch turns, or
+    /// a row leaves a region. For scenes of many rows that touch all the time, where errors of first order at each touch are
+    /// no matter, and cut steps would be.
+    #[must_use]
+    pub fn across_jumps(mut self) -> Self {
+        self.settings.across_jumps = true;
         self
     }
 
@@ -268,7 +275,7 @@ impl<P: Scalar> Builder<P> {
     /// Makes dormancy a fault, for every law.
     #[must_use]
     pub fn strict(mut self) -> Self {
-        self.strict = true;
+        self.settings.strict = true;
         self
     }
 
@@ -342,7 +349,7 @@ impl<P: Scalar> Builder<P> {
             &mut state,
             &*self.integrator,
             &self.observe,
-            (self.strict, self.compensated),
+            self.settings,
             &machine,
         );
         let pipeline = match pipeline {
@@ -365,8 +372,7 @@ impl<P: Scalar> Builder<P> {
             pipeline,
             machine,
             observe: self.observe,
-            strict: self.strict,
-            compensated: self.compensated,
+            settings: self.settings,
             step,
             remainder: 0.0,
             steps: 0,

@@ -6,17 +6,19 @@
 mod blow_up;
 mod build;
 mod checkpoint;
+mod lent;
 
 pub use build::{Builder, Configure, Configured, Listing};
 pub use checkpoint::{Checkpoint, ColumnData, DomainData};
 
 use crate::column::Storage;
 use crate::error::{Fault, Faults};
-use crate::integrate::{Integrator, System};
-use crate::pipeline::{FusedChain, Key, Listed, Machine, Pipeline, Probe, Runner, borrowed, lent_columns};
+use crate::integrate::{Integrator, System, split};
+use crate::pipeline::{FusedChain, Key, Listed, Machine, Pipeline, Probe, Runner, Settings, lent_columns};
 use crate::real::{Scalar, compiled_here};
 use crate::registry::{Backend, Report, Status};
 use crate::state::State;
+use lent::with_runner;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -29,8 +31,7 @@ pub struct Engine<P: Scalar> {
     pipeline: Pipeline<P>,
     machine: Machine,
     observe: Vec<(String, String)>,
-    strict: bool,
-    compensated: bool,
+    settings: Settings,
     /// The fixed step, in s; `None` takes every frame as one step.
     step: Option<FixedStep>,
     /// The part of past frames that no step has covered, in s.
@@ -189,8 +190,12 @@ impl<P: Scalar> Engine<P> {
             (clock.at(first), first),
             |runner| {
                 let mut done = Ok(());
+                let splits = runner.pipeline.switches.any() && !integrator.is_adaptive();
                 for _ in 0..count {
-                    done = integrator.step(runner, step);
+                    done = match splits {
+                        true => split(&mut **integrator, runner, step, Runner::again),
+                        false => integrator.step(runner, step),
+                    };
                     if done.is_err() {
                         break;
                     }
@@ -201,6 +206,7 @@ impl<P: Scalar> Engine<P> {
                         // The state moved after the rates that the integrator remembers.
                         integrator.restart();
                         runner.pipeline.vectors.forget_errors();
+                        runner.pipeline.switches.holds = false;
                     }
                 }
                 if runner.pipeline.observes {
@@ -244,6 +250,7 @@ impl<P: Scalar> Engine<P> {
     fn restart(&mut self) {
         self.integrator.restart();
         self.pipeline.vectors.forget_errors();
+        self.pipeline.switches.holds = false;
     }
 
     /// Whether the client may have changed what it lends since this was last asked.
@@ -278,7 +285,7 @@ impl<P: Scalar> Engine<P> {
             &mut self.state,
             &*self.integrator,
             &self.observe,
-            (self.strict, self.compensated),
+            self.settings,
             &self.machine,
         );
         match rebuilt {
@@ -435,68 +442,5 @@ impl<P: Scalar> Engine<P> {
     }
 }
 
-/// Holds all lent memory, and runs `work` with a runner on the state.
-fn with_runner<P: Scalar, T>(
-    pipeline: &mut Pipeline<P>,
-    state: &State<P>,
-    (laws, chains, machine): (&[Listed<P>], &[FusedChain<P>], &Machine),
-    (time, step): (f64, u64),
-    work: impl FnOnce(&mut Runner<'_, P>) -> T,
-) -> Result<T, Faults> {
-    let mut result = None;
-    let mut work = Some(work);
-    let mut addresses = [core::ptr::null_mut(); MAX_LENT];
-    hold(state, 0, &mut addresses, &mut |lent| {
-        if let Some(work) = work.take() {
-            result = Some(work(&mut Runner::new(pipeline, state, (laws, chains, machine), lent, (time, step))));
-        }
-    })?;
-    // `hold` either ran the closure or gave a fault.
-    result.ok_or_else(|| Fault::Borrowed { domain: "scene".to_owned(), property: "time".to_owned() }.into())
-}
-
 /// Steps of a frame that are counted: more would not end in years, and their number would not be exact.
 const MOST_STEPS: f64 = 1e15;
-
-/// Columns that may be lent at one time.
-const MAX_LENT: usize = 64;
-
-/// Takes hold of one lent column after the other, then goes on; all are held until it comes back. No list of guards, so
-/// no allocation.
-fn hold<P: Scalar>(
-    state: &State<P>,
-    next: usize,
-    addresses: &mut [*mut P; MAX_LENT],
-    then: &mut dyn FnMut(&[*mut P]),
-) -> Result<(), Faults> {
-    let Some((domain, column)) = lent_columns(state).nth(next) else {
-        then(&addresses[..next]);
-        return Ok(());
-    };
-    let domain = &state.domains()[domain];
-    let column = &domain.columns[column];
-    let Storage::Lent(memory) = &column.storage else { return Ok(()) };
-    if next >= MAX_LENT {
-        let (name, property) = (domain.name.as_str(), column.property().name);
-        return Err(
-            Fault::client_memory(name, property, "be lent", "is one column more than the 64 that can be").into()
-        );
-    }
-    let mut inner = Ok(());
-    let held = memory.hold(&mut |start, rows| {
-        if rows != domain.rows {
-            inner = Err(Fault::Length {
-                domain: domain.name.clone(),
-                property: column.property().name.to_owned(),
-                given: rows,
-                expected: domain.rows,
-                expected_by: "as added and removed through the state".to_owned(),
-            }
-            .into());
-            return;
-        }
-        addresses[next] = start;
-        inner = hold(state, next + 1, addresses, then);
-    });
-    if held { inner } else { Err(borrowed(&domain.name, column.property().name).into()) }
-}

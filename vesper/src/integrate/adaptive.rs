@@ -116,6 +116,11 @@ impl Span {
         Ok((step, last))
     }
 
+    /// A step of this length, which is known to be one that can be taken: its length, and whether it is the last one.
+    pub(super) fn part(&self, step: f64) -> (f64, bool) {
+        (step, step >= self.rest())
+    }
+
     /// A step is done. The time.
     pub(super) fn add(&mut self, step: f64, last: bool) -> f64 {
         if last {

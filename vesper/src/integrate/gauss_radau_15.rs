@@ -19,6 +19,7 @@
 
 use super::adaptive::{Span, Steps};
 use super::gauss_radau_table::{AT, HIGHEST, NODES, ONCE, REST, TWICE};
+use super::jump::{Found, Jump};
 use super::{Combination, Integrator, Register, Structure, System, Term};
 use crate::error::Fault;
 use crate::law::Part;
@@ -106,6 +107,7 @@ impl Integrator for GaussRadau15 {
         let follows = *self.follows.get_or_insert_with(|| system.coordinates_follow_momenta());
         let of = Form { part: if follows { Part::Momenta } else { Part::All }, follows };
         let mut span = Span::new(system, step);
+        let holds = system.hold();
         while span.rest() > 0.0 {
             system.evaluate(of.part);
             let next = self.steps.begin(system, 15, self.precision, step);
@@ -120,18 +122,38 @@ impl Integrator for GaussRadau15 {
             }
             system.copy(START, Register::State, Part::All);
             let time = system.time();
+            let (mut jump, mut landed, mut known) = (Jump::default(), false, None);
             let best = loop {
                 let closed = self.close(system, of, time, length);
                 let best = if closed { self.best_step(system, of, length) } else { length / FACTOR };
-                let accepted = closed && best * FACTOR > length;
-                system.count_step(accepted);
+                // Where a jump is near, a longer step was good enough already.
+                let accepted = closed && (jump.is_near() || best * FACTOR > length);
+                let mut closer = None;
+                if accepted && holds {
+                    of.look(system, length, NODES - 1, self.bank);
+                    system.set_time(time + length);
+                    known = known.or(Some(best));
+                    match jump.look(system, length) {
+                        Found::Nothing => {}
+                        Found::Closer(next) => closer = Some(next),
+                        Found::Here => landed = true,
+                    }
+                }
+                system.count_step(accepted && closer.is_none());
                 system.copy(Register::State, START, Part::All);
+                let tried = length;
+                if let Some(next) = closer {
+                    system.set_time(time);
+                    (length, last) = span.part(next);
+                    self.foretell(system, of, [0.0, length / tried]);
+                    continue;
+                }
                 if accepted {
-                    break best.min(length * FACTOR);
+                    break known.unwrap_or(best).min(length * FACTOR);
                 }
                 system.set_time(time);
                 self.steps.next = Some(best);
-                let tried = length;
+                jump = Jump::default();
                 (length, last) = span.cut(system, NAME, best)?;
                 if closed {
                     self.foretell(system, of, [0.0, length / tried]);
@@ -144,6 +166,14 @@ impl Integrator for GaussRadau15 {
             // A step that was cut to end the span says nothing against a longer one.
             self.steps.next = Some(if last && length < next { best.max(next) } else { best });
             self.last = Some(length);
+            if landed {
+                // The polynomial of one case foretells nothing of the next one.
+                self.last = None;
+                self.steps.next = Some(known.unwrap_or(best));
+                system.turn();
+            } else if holds {
+                system.hold();
+            }
         }
         Ok(())
     }
@@ -255,9 +285,9 @@ struct Form {
 }
 
 impl Form {
-    /// Puts the state at a place of the step, of which `row` has the integrals.
+    /// Puts the state at a place of the step, of which `row` has the integrals; the last row has those of the end.
     fn look(self, system: &mut dyn System, length: f64, row: usize, bank: usize) {
-        let place = AT[row + 1] * length;
+        let place = AT.get(row + 1).unwrap_or(&1.0) * length;
         if !self.follows {
             let terms = sum(&ONCE[row], length, bank, (1.0, START));
             return system.combine(Register::State, &terms, Part::All);

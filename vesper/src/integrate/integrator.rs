@@ -18,6 +18,8 @@ pub struct Structure {
     pub coordinates_depend_on: Option<String>,
     /// Whether the laws say that the rate of every coordinate is its momentum.
     pub second_order: bool,
+    /// Switches of laws, and fields with regions: where one turns, or a row leaves its region, rates jump.
+    pub jumps: Vec<String>,
     /// A law that is not evaluated on every step, where there is one.
     pub every: Option<String>,
 }

@@ -1,6 +1,7 @@
 //! What explicit Runge-Kutta methods share: stages from a table, and steps chosen by an embedded error.
 
 use super::adaptive::{Control, Span, Steps};
+use super::jump::{Found, Jump};
 use super::{Register, System, Term, Tolerance};
 use crate::error::Fault;
 use crate::law::Part;
@@ -57,6 +58,8 @@ impl<const ERRORS: usize> Embedded<ERRORS> {
         length: f64,
     ) -> Result<(), Fault> {
         let mut span = Span::new(system, length);
+        let holds = system.hold();
+        let (mut jump, mut closer) = (Jump::default(), None);
         while span.rest() > 0.0 {
             if !progress.holds_first {
                 system.evaluate(Part::All);
@@ -64,7 +67,10 @@ impl<const ERRORS: usize> Embedded<ERRORS> {
                 progress.holds_first = true;
             }
             let next = progress.steps.begin(system, self.control.order, tolerance.relative, length);
-            let (step, last) = span.cut(system, self.name, next)?;
+            let (step, last) = match closer.take() {
+                Some(step) => span.part(step),
+                None => span.cut(system, self.name, next)?,
+            };
             system.copy(START, Register::State, Part::All);
             let time = system.time();
             self.try_step(system, time, step);
@@ -74,8 +80,21 @@ impl<const ERRORS: usize> Embedded<ERRORS> {
                 let (terms, count) = along(weights, step, None);
                 system.combine(vectors[number], &terms[..count], Part::All);
             }
-            let error = tolerance.excess(system, vectors, self.error, (START, slope(0), step));
-            let accepted = progress.steps.judge(&self.control, step, error);
+            // Where a jump is near, a longer step was good enough already.
+            let accepted = jump.is_near() || {
+                let error = tolerance.excess(system, vectors, self.error, (START, slope(0), step));
+                progress.steps.judge(&self.control, step, error)
+            };
+            let mut landed = false;
+            if accepted && holds {
+                system.set_time(time + step);
+                match jump.look(system, step) {
+                    Found::Nothing => {}
+                    Found::Closer(length) => closer = Some(length),
+                    Found::Here => landed = true,
+                }
+            }
+            let accepted = accepted && closer.is_none();
             system.count_step(accepted);
             system.copy(Register::State, START, Part::All);
             if !accepted {
@@ -84,8 +103,8 @@ impl<const ERRORS: usize> Embedded<ERRORS> {
             }
             let (terms, count) = along(self.weights, step, None);
             system.add(Register::State, &terms[..count], Part::All);
-            progress.holds_first = self.last_is_first;
-            if self.last_is_first {
+            progress.holds_first = self.last_is_first && !landed;
+            if progress.holds_first {
                 system.copy(slope(0), slope(self.stages.len()), Part::All);
             }
             // A step cut short to end the span says little about the next one.
@@ -93,6 +112,12 @@ impl<const ERRORS: usize> Embedded<ERRORS> {
                 progress.steps.next = progress.steps.next.map(|known| known.max(next));
             }
             system.set_time(span.add(step, last));
+            if landed {
+                system.turn();
+                jump = Jump::default();
+            } else if holds {
+                system.hold();
+            }
         }
         Ok(())
     }

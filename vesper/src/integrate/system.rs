@@ -59,6 +59,23 @@ pub trait System {
     fn coordinates_follow_momenta(&mut self) -> bool;
     /// The distance from 1 to the next number of the state's precision.
     fn epsilon(&self) -> f64;
+    /// Evaluates the laws, and holds the switches of laws and the regions of fields as they are at this state: from now on
+    /// laws are evaluated in these cases, wherever the state goes. Whether there are any. An integrator that chooses its
+    /// steps asks this at the beginning, and ends a step where something has [`System::turned`]; for others the engine does.
+    fn hold(&mut self) -> bool {
+        false
+    }
+    /// Evaluates the laws, and says whether a switch has turned, or a row has left its region, since they are held.
+    fn turned(&mut self) -> bool {
+        false
+    }
+    /// Where the first one turns, between the last state at which nothing had and the last one at which something had, from
+    /// 0 to 1: by straight lines between both, of which each end can be weighed (the Illinois method).
+    fn share(&self, _weights: [f64; 2]) -> f64 {
+        0.5
+    }
+    /// After a step that ends where something turned: what has turned is held as it is now.
+    fn turn(&mut self) {}
     /// Whether somebody asks an integrator that may take long to come back.
     fn is_stopped(&self) -> bool {
         false

@@ -6,6 +6,7 @@ use super::vectors::lent_columns;
 use super::{FusedChain, Listed, Machine, Pipeline};
 use crate::backend::Kernel;
 use crate::column::{Aligned, Storage};
+use crate::property::Role;
 use crate::real::Scalar;
 use crate::registry::Backend;
 use crate::state::State;
@@ -97,7 +98,11 @@ pub(crate) enum Pass<P: Scalar> {
     /// Held shares added: (to, from).
     Hold(Vec<(Located<P>, *mut P)>),
     /// Numbers copied: (to, from, how many).
-    Keep(Vec<(*mut P, *mut P, usize)>),
+    Keep {
+        parts: Vec<(*mut P, *mut P, usize)>,
+        /// Of a switch, which is held while a step is taken.
+        switch: bool,
+    },
 }
 
 /// A pair law over the rows of its seat.
@@ -220,7 +225,9 @@ impl<P: Scalar> Binder<'_, P> {
                         }
                         _ => None,
                     });
-                Pass::Keep(parts.collect())
+                let switch = matches!(first.operands.first(), Some(Operand::Previous(id, _))
+                    if self.pipeline.registry.quantities[*id].info.role == Role::Switch);
+                Pass::Keep { parts: parts.collect(), switch }
             }
             Op::Axpy { stage, .. } => {
                 let (to, from) = first.operands.split_at(first.operands.len() / 2);

@@ -4,6 +4,7 @@
 use super::Pipeline;
 use super::plan::{Key, Operand, Placed, Plan};
 use crate::column::Column;
+use crate::property::Role;
 use crate::real::Scalar;
 use crate::registry::QuantityId;
 use crate::state::State;
@@ -24,7 +25,8 @@ impl Plan {
             |op: &Placed| op.operands.iter().any(|at| matches!(at, Operand::Constant(id, _) if *id == quantity));
         let constant = passes.iter().copied().flatten().any(constant);
         let one_pass = matches!(passes.as_slice(), [pass] if pass.iter().all(|op| op.row_local && op.rows.is_none()));
-        computed && !looked_at && !constant && one_pass
+        let switch = known.info.role == Role::Switch;
+        computed && !looked_at && !switch && !constant && one_pass
     }
 }
 
@@ -32,7 +34,13 @@ impl Plan {
 pub(crate) fn materialise<P: Scalar>(plan: &Plan, pipeline: &Pipeline<P>, state: &mut State<P>) {
     for pass in &plan.passes {
         for operand in pass.iter().flat_map(|op| &op.operands) {
-            if let Operand::Previous(id, _) = *operand {
+            let switch = |id: &QuantityId| pipeline.registry.quantities[*id].info.role == Role::Switch;
+            let looked_back_at = match *operand {
+                Operand::Previous(id, _) => Some(id),
+                // What it was when the step began is asked by integrators, if not by the law.
+                _ => operand.quantity().filter(switch),
+            };
+            if let Some(id) = looked_back_at {
                 let known = &pipeline.registry.quantities[id];
                 let domain = &mut state.domains[known.domain];
                 if !domain.previous.iter().any(|column| column.info.name == known.info.name) {

@@ -21,6 +21,10 @@ impl<P: Scalar> Pipeline<P> {
         if let Some(remark) = integrator.remark(&self.structure) {
             line(format!("  {remark}"));
         }
+        if !self.structure.jumps.is_empty() {
+            let does = if self.switches.any() { "end at" } else { "go across" };
+            line(format!("  steps {does} jumps of {}", self.structure.jumps.join(", ")));
+        }
         let running = |law: usize| matches!(self.registry.report.laws[law].status, Status::Active { .. });
         line("order of an evaluation:".to_owned());
         let order = self.graph.order.iter().filter(|&&index| running(self.registry.seats[index].law));
@@ -71,7 +75,7 @@ impl<P: Scalar> Pipeline<P> {
             Pass::Group(group) => group.threads(),
             Pass::Pair(pair) => pair.threads,
             Pass::Link(link) => link.threads,
-            Pass::Column(_) | Pass::Axpy { .. } | Pass::Release(_) | Pass::Hold(_) | Pass::Keep(_) => 1,
+            Pass::Column(_) | Pass::Axpy { .. } | Pass::Release(_) | Pass::Hold(_) | Pass::Keep { .. } => 1,
         });
         threads.max().unwrap_or(0)
     }
@@ -128,7 +132,8 @@ impl<P: Scalar> Pipeline<P> {
             Pass::Axpy { .. } => "states advance by their rates".to_owned(),
             Pass::Release(_) => format!("shares of {laws} begin anew, every {} steps", pass.every),
             Pass::Hold(_) => format!("held shares of {laws} are added"),
-            Pass::Keep(_) => "results are kept for laws that look back at them".to_owned(),
+            Pass::Keep { switch: true, .. } => "switches are kept, and held while a step is taken".to_owned(),
+            Pass::Keep { .. } => "results are kept for laws that look back at them".to_owned(),
         }
     }
 }

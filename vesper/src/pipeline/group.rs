@@ -7,6 +7,7 @@ pub(super) use build::GroupBuilder;
 use super::bind::Transfer;
 use super::chain::{ChainCall, Fixed};
 use super::run::Context;
+use super::switches::{Phase, RegionsAt};
 use crate::backend::{AHEAD, RowCall, RowKernel};
 use crate::column::Aligned;
 use crate::law::Part;
@@ -42,6 +43,8 @@ enum BlockOp<P: Scalar> {
         field: usize,
         at: Range<usize>,
         to: Range<usize>,
+        /// Where the field has some.
+        regions: Option<RegionsAt<P>>,
     },
     Law {
         law: usize,
@@ -172,7 +175,7 @@ impl<P: Scalar> Body<'_, P> {
                     _ => desk.scratch.pointer().cast_const(),
                 });
                 // SAFETY: the pointers are those of this block.
-                energy += unsafe { self.op(op, rows.len(), &desk.pointers, ahead) };
+                energy += unsafe { self.op(op, rows.clone(), &desk.pointers, ahead) };
             }
             for transfer in self.transfers.iter().filter(|transfer| transfer.save) {
                 // SAFETY: as above, and the rows are this thread's.
@@ -190,9 +193,10 @@ impl<P: Scalar> Body<'_, P> {
     }
 
     /// # Safety
-    /// `pointers` are those of the block, which has `rows` rows.
-    unsafe fn op(&self, op: &BlockOp<P>, rows: usize, pointers: &[*mut P], ahead: [*const P; AHEAD]) -> f64 {
+    /// `pointers` are those of the block, which has these rows.
+    unsafe fn op(&self, op: &BlockOp<P>, block: Range<usize>, pointers: &[*mut P], ahead: [*const P; AHEAD]) -> f64 {
         let context = self.context;
+        let rows = block.len();
         match op {
             BlockOp::Start { to, from: Start::Number(number) } => {
                 for &to in &pointers[to.clone()] {
@@ -206,7 +210,7 @@ impl<P: Scalar> Body<'_, P> {
                     unsafe { to.copy_from_nonoverlapping(from, rows) };
                 }
             }
-            BlockOp::Sample { field, at, to } => {
+            BlockOp::Sample { field, at, to, regions } => {
                 let at = core::array::from_fn(|c| pointers[at.start + c]);
                 let to = core::array::from_fn(|c| pointers[to.start + c]);
                 // SAFETY: places are columns or scratches of the block, samples are scratches of their own.
@@ -216,7 +220,14 @@ impl<P: Scalar> Body<'_, P> {
                         to.map(|start| core::slice::from_raw_parts_mut(start, rows)),
                     )
                 };
-                context.fields[*field].1.sample_block(at, context.time, to);
+                let field = &context.fields[*field].1;
+                match regions.filter(|_| context.phase != Phase::Free) {
+                    None => field.sample_block(at, context.time, to),
+                    Some(regions) => {
+                        // SAFETY: the rows are this thread's own.
+                        unsafe { regions.sample((&**field, context.phase, context.time), block.start, at, to) };
+                    }
+                }
             }
             BlockOp::Law { law, kernel, slots, uniform, part, advance, drift, energy, first } => {
                 let [advance, drift] = [advance, drift].map(|stage| stage.map(|stage| context.steps[stage]));

@@ -17,6 +17,7 @@ mod linear;
 mod merge;
 mod plan;
 mod run;
+mod switches;
 mod vectors;
 
 pub(crate) use bind::{Program, program};
@@ -31,12 +32,13 @@ use crate::error::{Fault, Faults};
 use crate::graph::Graph;
 use crate::integrate::{Integrator, Structure};
 use crate::law::Mode;
-use crate::property::Role;
+use crate::property::{Kind, PropertyInfo, Role};
 use crate::real::{Isa, Scalar};
 use crate::registry::{Entry, QuantityId, Registry, Tie};
 use crate::state::State;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use switches::Switches;
 
 /// Watches how long laws take. The core starts no clock: whoever wants times brings one.
 pub trait Probe: Send + Sync {
@@ -65,6 +67,17 @@ pub(crate) struct Machine {
     pub(crate) stop: Option<Arc<AtomicBool>>,
 }
 
+/// What a builder says of a whole run.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Settings {
+    /// Whether a dormant law is a fault.
+    pub(crate) strict: bool,
+    /// Whether the rounding errors of the state are kept.
+    pub(crate) compensated: bool,
+    /// Whether steps go across jumps.
+    pub(crate) across_jumps: bool,
+}
+
 /// The laws of a run, ordered and tied to a state's layout.
 pub(crate) struct Pipeline<P: Scalar> {
     pub(crate) entries: Vec<Entry>,
@@ -74,6 +87,8 @@ pub(crate) struct Pipeline<P: Scalar> {
     pub(crate) observed: Vec<QuantityId>,
     pub(crate) programs: Vec<Program<P>>,
     pub(crate) vectors: Vectors<P>,
+    /// What steps end at.
+    pub(crate) switches: Switches<P>,
     /// The layout of the state that the programs' pointers were taken from.
     pub(crate) layout: (u64, u64),
     /// Whether a step changes nothing.
@@ -99,10 +114,11 @@ impl<P: Scalar> Pipeline<P> {
         state: &mut State<P>,
         integrator: &dyn Integrator,
         observe: &[(String, String)],
-        (strict, compensated): (bool, bool),
+        settings: Settings,
         machine: &Machine,
     ) -> Result<Self, Faults> {
-        let entries: Vec<Entry> = laws.iter().map(|law| law.entry.clone()).collect();
+        let Settings { strict, compensated, across_jumps } = settings;
+        let entries: Vec<Entry> = laws.iter().map(|law| law.entry.clone().with_own_switches()).collect();
         let mut registry = Registry::new(&entries, state, observe, strict)?;
         let graph = Graph::new(&entries, &registry, state)?;
         let at = |(domain, property): &(String, String)| registry.find(state.domain_index(domain)?, property);
@@ -124,6 +140,7 @@ impl<P: Scalar> Pipeline<P> {
             observed,
             programs: Vec::new(),
             vectors: Vectors::default(),
+            switches: Switches::default(),
             layout: state.layout(),
             idle: false,
             amends: false,
@@ -140,8 +157,13 @@ impl<P: Scalar> Pipeline<P> {
                 column.shown = id.is_some_and(|id| pipeline.observed.contains(&id));
             }
         }
-        pipeline.vectors =
-            Vectors::new(&pipeline, state, integrator.work_vectors(), compensated || integrator.compensates());
+        if !across_jumps {
+            pipeline.switches = Switches::new(&plans, &pipeline, state);
+        }
+        // To take a step again, of those that do not choose their own, which keep what they need.
+        let again = usize::from(pipeline.switches.any() && !integrator.is_adaptive());
+        let work = integrator.work_vectors() + again;
+        pipeline.vectors = Vectors::new(&pipeline, state, work, compensated || integrator.compensates());
         pipeline.programs =
             plans.into_iter().map(|plan| program(plan, laws, chains, &pipeline, state, machine)).collect();
         pipeline.layout = state.layout();
@@ -202,6 +224,11 @@ impl<P: Scalar> Pipeline<P> {
     }
 }
 
+/// Whether a property is a switch of which the sign counts.
+fn turns(property: &PropertyInfo) -> bool {
+    property.role == Role::Switch && property.kind == Kind::Scalar
+}
+
 fn structure<P: Scalar>(entries: &[Entry], registry: &Registry, graph: &Graph, state: &State<P>) -> Structure {
     let mut structure = Structure::default();
     let mut second_order = true;
@@ -216,7 +243,18 @@ fn structure<P: Scalar>(entries: &[Entry], registry: &Registry, graph: &Graph, s
                     second_order &= entry.signature.second_order;
                 }
                 Role::Momentum(_) => structure.momenta.push(name),
-                Role::Plain | Role::Sum { .. } => structure.others.push(name),
+                Role::Plain | Role::Switch | Role::Sum { .. } => structure.others.push(name),
+            }
+        }
+        for (port, tie) in entry.signature.ports.iter().zip(&seat.ties) {
+            match tie {
+                Tie::Quantity(id) if port.mode == Mode::Sets && turns(&port.property) => {
+                    structure.jumps.push(registry.name(*id, state));
+                }
+                Tie::Field(field) if state.fields[*field].1.has_regions() => {
+                    structure.jumps.push(format!("field {}", state.fields[*field].0.name));
+                }
+                _ => {}
             }
         }
         if entry.options.every > 1 && structure.every.is_none() {
@@ -226,6 +264,8 @@ fn structure<P: Scalar>(entries: &[Entry], registry: &Registry, graph: &Graph, s
     let name = |id| registry.name(id, state);
     structure.momenta_depend_on_momenta = graph.momenta_depend_on_momentum(entries, registry).map(name);
     structure.coordinates_depend_on = graph.coordinates_depend_on(entries, registry).map(name);
+    structure.jumps.sort_unstable();
+    structure.jumps.dedup();
     structure.second_order = second_order && structure.coordinates_depend_on.is_none();
     structure
 }

@@ -2,10 +2,11 @@
 
 use super::bind::{BoundPass, ColumnPass, LinkPass, Located, PairPass, Pass};
 use super::plan::Key;
+use super::switches::Phase;
 use super::{FusedChain, Listed, Machine, Pipeline};
 use crate::backend::{Kernel, LinkCall, PairCall, Strided};
 use crate::field::Field;
-use crate::integrate::{Combination, Register, System};
+use crate::integrate::{Again, Combination, Register, System};
 use crate::law::{ColumnAccess, Part, PortView};
 use crate::property::{Property, PropertyInfo, Time};
 use crate::real::{Isa, Scalar};
@@ -23,6 +24,8 @@ pub(crate) struct Context<'a, P: Scalar> {
     pub(crate) machine: &'a Machine,
     pub(crate) time: P,
     pub(crate) steps: [P; 2],
+    /// What is done about switches and regions.
+    pub(crate) phase: Phase,
     /// Notes the first law with a result that is not finite.
     pub(crate) watch: Option<Arc<Watch>>,
 }
@@ -153,6 +156,7 @@ impl<'a, P: Scalar> Runner<'a, P> {
             machine,
             time: P::from_f64(time),
             steps: [P::default(); 2],
+            phase: Phase::Free,
             watch: None,
         };
         let clock = super::bind::locate_column(state, 0, Time::NAME, 0).map(|place| place.base.resolve(lent));
@@ -176,6 +180,26 @@ impl<'a, P: Scalar> Runner<'a, P> {
             }
         }
         energy
+    }
+}
+
+impl<P: Scalar> Runner<'_, P> {
+    /// Keeps the state, with its rounding errors, before a step that may be taken again; or brings it back.
+    pub(crate) fn again(&mut self, what: Again) {
+        let kept = Register::Work(self.pipeline.vectors.last_work());
+        let (to, from) = match what {
+            Again::Keep => (kept, Register::State),
+            Again::Restore => (Register::State, kept),
+        };
+        self.copy(to, from, Part::All);
+        self.pipeline.vectors.errors_again(what == Again::Restore);
+    }
+
+    /// Evaluates the laws for what switches and regions make of it; they are held afterwards.
+    fn look(&mut self, phase: Phase) {
+        self.context.phase = phase;
+        self.evaluate(Part::All);
+        self.context.phase = Phase::Held;
     }
 }
 
@@ -258,6 +282,48 @@ impl<P: Scalar> System for Runner<'_, P> {
         P::EPSILON
     }
 
+    fn hold(&mut self) -> bool {
+        if !self.pipeline.switches.any() {
+            return false;
+        }
+        self.context.phase = Phase::Held;
+        if !self.pipeline.switches.holds {
+            // A switch that turns because another one is held may turn that one: some laws' worth of it, and then it must do.
+            for _ in 0..4 {
+                self.look(Phase::Hold);
+                // SAFETY: as above.
+                if !unsafe { self.pipeline.switches.keep() } {
+                    break;
+                }
+            }
+            // SAFETY: as above.
+            unsafe { self.pipeline.switches.note() };
+        }
+        // SAFETY: as above.
+        unsafe { self.pipeline.switches.begin() };
+        true
+    }
+
+    fn turned(&mut self) -> bool {
+        self.look(Phase::Look);
+        // SAFETY: as above.
+        unsafe { self.pipeline.switches.turned() }
+    }
+
+    fn share(&self, weights: [f64; 2]) -> f64 {
+        self.pipeline.switches.share(weights)
+    }
+
+    fn turn(&mut self) {
+        // SAFETY: as above.
+        unsafe { self.pipeline.switches.turn() };
+        self.look(Phase::Look);
+        // SAFETY: as above.
+        unsafe { self.pipeline.switches.note() };
+        // SAFETY: as above.
+        unsafe { self.pipeline.switches.begin() };
+    }
+
     fn is_stopped(&self) -> bool {
         self.context.machine.stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
@@ -276,7 +342,8 @@ fn run_pass<P: Scalar>(pass: &mut BoundPass<P>, context: &Context<'_, P>) -> f64
         Pass::Column(pass) => run_columns(pass, context),
         Pass::Axpy { parts, stage } => add_scaled(parts, Some(context.steps[*stage]), context),
         Pass::Hold(parts) => add_scaled(parts, None, context),
-        Pass::Keep(parts) => {
+        Pass::Keep { switch: true, .. } if context.phase != Phase::Free => {}
+        Pass::Keep { parts, .. } => {
             for (to, from, count) in parts.iter().copied() {
                 // SAFETY: both have `count` numbers, and are different columns.
                 unsafe { to.copy_from_nonoverlapping(from, count) };

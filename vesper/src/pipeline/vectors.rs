@@ -47,6 +47,8 @@ pub(crate) struct Vectors<P: Scalar> {
     pub(crate) compensated: bool,
     /// Whether components are staggered, with gaps between them.
     gaps: bool,
+    /// Rounding errors before a step that may be taken again.
+    kept_errors: Vec<P>,
     /// How many vectors the integrator asked for.
     work: usize,
     /// Where coordinates end, and momenta, and all.
@@ -66,6 +68,7 @@ impl<P: Scalar> Default for Vectors<P> {
             registers: Vec::new(),
             compensated: false,
             gaps: false,
+            kept_errors: Vec::new(),
             work: 0,
             ends: [0; 3],
             momentum_behind: None,
@@ -98,7 +101,7 @@ impl<P: Scalar> Vectors<P> {
             let from = match role {
                 Role::Coordinate => 0,
                 Role::Momentum(_) => 1,
-                Role::Plain | Role::Sum { .. } => 2,
+                Role::Plain | Role::Switch | Role::Sum { .. } => 2,
             };
             ends[from..].fill(at);
             states.push(StateProperty { quantity: id, role, len, components });
@@ -108,7 +111,18 @@ impl<P: Scalar> Vectors<P> {
         let filled = vec![false; held.len()];
         let momentum_behind = paired(&states, pipeline).then_some(ends[0]);
         let registers = (0..count).map(|stream| Aligned::zeros(at, stream + 7)).collect();
-        Vectors { states, registers, compensated, gaps, work, ends, momentum_behind, held, filled }
+        Vectors {
+            states,
+            registers,
+            compensated,
+            gaps,
+            kept_errors: Vec::new(),
+            work,
+            ends,
+            momentum_behind,
+            held,
+            filled,
+        }
     }
 
     /// The components of a state's rates.
@@ -131,6 +145,23 @@ impl<P: Scalar> Vectors<P> {
                 );
                 Some(self.registers[1 + number].pointer())
             }
+        }
+    }
+
+    /// The last vector that was asked for.
+    pub(crate) fn last_work(&self) -> usize {
+        self.work.saturating_sub(1)
+    }
+
+    /// Keeps the rounding errors of the state, or brings them back.
+    pub(crate) fn errors_again(&mut self, back: bool) {
+        let behind = usize::from(!self.gaps);
+        let Some(errors) = self.registers.iter_mut().nth_back(behind).filter(|_| self.compensated) else { return };
+        if back {
+            errors.as_mut_slice().copy_from_slice(&self.kept_errors);
+        } else {
+            self.kept_errors.clear();
+            self.kept_errors.extend_from_slice(errors.as_slice());
         }
     }
 

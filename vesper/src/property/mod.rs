@@ -46,6 +46,10 @@ pub enum Role {
         /// The property whose values it starts from where the domain has them; else it starts from zero.
         start: Option<&'static str>,
     },
+    /// Which case of its own a law is in: it sets the property, and looks at the value that was there when the step began,
+    /// `reads(previous ..)`. The sign of a scalar is what counts: an integrator ends its step where the sign turns, so that
+    /// no step goes across a jump. Each law that sets one has it to itself; its column is named after both.
+    Switch,
 }
 
 impl Role {
@@ -57,6 +61,7 @@ impl Role {
             Role::Momentum(of) => format!("which moves {of}"),
             Role::Sum { start: None } => "a sum".to_owned(),
             Role::Sum { start: Some(start) } => format!("a sum from {start}"),
+            Role::Switch => "a switch".to_owned(),
         }
     }
 }
@@ -118,6 +123,12 @@ impl PropertyInfo {
     #[must_use]
     pub const fn sum_from(self, start: &'static str) -> Self {
         PropertyInfo { role: Role::Sum { start: Some(start) }, ..self }
+    }
+
+    /// The same as a switch of the law that sets it.
+    #[must_use]
+    pub const fn switch(self) -> Self {
+        PropertyInfo { role: Role::Switch, ..self }
     }
 
     /// "vector \[m\]", or "link to 2 rows" for what has no unit.

@@ -11,10 +11,12 @@ pub use report::{Dormancy, LawReport, Missing, Report, Status};
 
 use crate::column::Storage;
 use crate::error::{Fault, Faults, nearest};
-use crate::law::{Mode, Place, Shape, Signature};
-use crate::property::{PropertyInfo, Role};
+use crate::law::{Mode, Place, Port, Shape, Signature};
+use crate::property::{PropertyInfo, Role, intern};
 use crate::real::Scalar;
 use crate::state::State;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 
 /// Where a law runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,10 +65,36 @@ pub struct Entry {
 }
 
 impl Entry {
+    /// The same with switches of its own: named after the law too, so that two laws of one kind have one each.
+    #[must_use]
+    pub(crate) fn with_own_switches(mut self) -> Self {
+        let own = |port: &&Port| port.property.role == Role::Switch;
+        if self.signature.ports.iter().any(|port| own(&port)) {
+            self.signature.ports = own_switches(self.signature.ports, self.label());
+        }
+        self
+    }
+
     /// The label, or else the law's name.
     pub fn label(&self) -> &str {
         self.options.label.as_deref().unwrap_or(self.signature.name)
     }
+}
+
+/// Ports whose switches are named after a law of this label. Kept for the life of the program, once for each label.
+fn own_switches(ports: &'static [Port], label: &str) -> &'static [Port] {
+    static KNOWN: Mutex<BTreeMap<(usize, String), &'static [Port]>> = Mutex::new(BTreeMap::new());
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    known.entry((ports.as_ptr().addr(), label.to_owned())).or_insert_with(|| {
+        let renamed = |port: &Port| match port.property.role {
+            Role::Switch => {
+                let name = intern(&format!("{label}_{}", port.property.name));
+                Port { property: PropertyInfo { name, ..port.property }, ..*port }
+            }
+            _ => *port,
+        };
+        Box::leak(ports.iter().map(renamed).collect())
+    })
 }
 
 /// The number of a quantity in [`Registry::quantities`].

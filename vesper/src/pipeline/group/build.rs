@@ -110,7 +110,10 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
                 None => BlockOp::Start { to: slots, from: Start::Number(NOTHING) },
                 Some(_) => BlockOp::Start { to: slots.start..half, from: Start::Slots(half..slots.end) },
             },
-            Op::Sample { field, .. } => BlockOp::Sample { field, at: slots.start..half, to: half..slots.end },
+            Op::Sample { field, .. } => {
+                let regions = self.binder.pipeline.switches.at(field, op.domain, op.rows.as_ref());
+                BlockOp::Sample { field, at: slots.start..half, to: half..slots.end, regions }
+            }
             Op::Law { seat, part, advance, drift, energy, first } => {
                 let law = self.binder.pipeline.registry.seats[seat].law;
                 // Whoever made the group looked at the shape.
