@@ -51,7 +51,7 @@ pub fn kernel(arguments: proc_macro::TokenStream, item: proc_macro::TokenStream)
 ///
 /// The name is the type's in snake case, or the one given after `=`. Kinds are `Scalar`, `Vector`, `Quaternion` and
 /// `Link<N>`; all but links have a unit (that of a quaternion may be left out). A role may follow: `coordinate`,
-/// `momentum of ...`, `sum`, `sum from ...`.
+/// `momentum of ...`, `sum`, `sum from ...`, `switch`.
 #[proc_macro]
 pub fn property(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
     property::properties(input.into()).into()

@@ -44,6 +44,38 @@
 //! # Ok::<(), Faults>(())
 //! ```
 //!
+//! # Laws that jump
+//!
+//! A law whose body has cases with a jump between them sets a switch, and decides by the value that it had when the step
+//! began. Integrators end a step where its sign turns, so that no step goes across the jump, whatever their order:
+//!
+//! ```
+//! use vesper::prelude::*;
+//!
+//! property! {
+//!     /// Height above the table; below 0 on it.
+//!     pub Gap: Scalar, "m", switch;
+//! }
+//!
+//! /// A table that pushes what has sunk in.
+//! #[derive(Law, Clone, Copy, Debug)]
+//! #[law(reads(position: Position, previous held: Gap), sets(gap: Gap), adds(force: Force))]
+//! pub struct Table<R = f64> {
+//!     /// Force per depth.
+//!     #[law(unit = "N/m", default = 1e5)]
+//!     pub stiffness: R,
+//! }
+//!
+//! #[kernel]
+//! impl<R: Real> RowLaw<R> for Table<R> {
+//!     fn row(&self, body: TableRow<R>) -> TableOutput<R> {
+//!         let gap = body.position.z();
+//!         let push = R::Vec3::new(R::lit(0.0), R::lit(0.0), -self.stiffness * gap);
+//!         TableOutput { gap, force: R::select_vector(body.held.less(R::lit(0.0)), push, R::Vec3::zero()) }
+//!     }
+//! }
+//! ```
+//!
 //! # The way of the data
 //!
 //! Lowest layer first; a module imports only from those before it, which a test holds:

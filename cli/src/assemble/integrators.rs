@@ -90,7 +90,7 @@ pub const INTEGRATORS: &[NamedIntegrator] = &[
     },
     NamedIntegrator {
         name: "gauss_radau_15",
-        about: "order 15, adaptive, to rounding, 20 to 30 evaluations per step",
+        about: "order 15, adaptive, to rounding, seven evaluations in each round of a step",
         options: &["precision"],
         make: |option| Box::new(GaussRadau15::new(option("precision", GaussRadau15::default().precision))),
     },

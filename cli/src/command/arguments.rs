@@ -49,6 +49,7 @@ A path of --set is names between dots: engine.step, constants.gravity, laws.NAME
     #[command(after_help = "Examples:
   vesper study examples/scenes/c7g-soft-spring-and-weight.toml
   vesper study scene.toml --integrators leapfrog,gauss_radau_15 --steps 0.1,0.01 --out results
+  vesper study scene.toml --error 1e-6 --of bodies.position --fps 60
   vesper study scene.toml --precisions f32,f64 --compensated --of bodies.position
   vesper study examples/references.json --cases kepler_e0.9,pythagorean
   vesper study examples/references.json --out results --resume results/study.json
@@ -171,6 +172,12 @@ pub struct Study {
     /// Backends to try: auto, cpu, parallel
     #[arg(long, value_name = "B,..", value_delimiter = ',', default_value = "auto")]
     pub backends: Vec<String>,
+    /// The largest error: tell the cheapest way to it, with the evidence
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    pub error: Option<String>,
+    /// Frames in a second, each of which is to take no longer than it lasts
+    #[arg(long, value_name = "N", requires = "error", allow_negative_numbers = true)]
+    pub fps: Option<String>,
     /// What is compared, as DOMAIN.PROPERTY [default: all that the scene shows]
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
     pub of: Vec<String>,

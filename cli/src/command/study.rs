@@ -14,7 +14,9 @@ use crate::assemble::integrators::{self, INTEGRATORS, NamedIntegrator};
 use crate::fault::SceneFault;
 use crate::output::json;
 use crate::scene::{Precision as Numbers, Scene};
-use crate::study::{Findings, Grid, Keeper, Method, Patience, Problem, Refusal, Run, diagram, read, table};
+use crate::study::{
+    Budget, Findings, Grid, Keeper, Method, Patience, Problem, Refusal, Run, choice, diagram, read, table,
+};
 
 /// The files of a study in its folder.
 const JSON: &str = "study.json";
@@ -25,6 +27,7 @@ pub(super) fn study(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
     let problems = problems(arguments).map_err(|more| faults.extend(more)).ok();
     let grid = grid(arguments).map_err(|more| faults.extend(more)).ok();
     let made = arguments.resume.as_deref().map_or(Ok(Vec::new()), resumed).map_err(|fault| faults.push(fault)).ok();
+    let budget = budget(arguments).map_err(|more| faults.extend(more)).ok().flatten();
     let folder = arguments.out.as_deref().map_or(Ok(()), std::fs::create_dir_all);
     if let (Err(error), Some(out)) = (&folder, &arguments.out) {
         faults.push(SceneFault::of_file(out.display().to_string(), format!("the folder cannot be made: {error}")));
@@ -47,11 +50,22 @@ pub(super) fn study(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
             log.answered(problem, Ok(()));
         }
         grid.study(problem, &mut log);
+        if let Some(budget) = &budget {
+            let runs: Vec<Run> = log.findings.of(&problem.id).cloned().collect();
+            budget.refine(&grid, problem, &runs, &mut log);
+        }
         log.draw(&problem.id);
     }
     log.save();
     log.bar.finish_and_clear();
-    let text = if arguments.json { json::text(&log.findings.to_json()) } else { table(&log.findings) };
+    let text = match &budget {
+        _ if arguments.json => json::text(&log.findings.to_json_and(budget.as_ref(), &problems)),
+        None => table(&log.findings),
+        Some(budget) => {
+            let choices: Vec<String> = problems.iter().map(|problem| choice(&log.findings, problem, budget)).collect();
+            format!("{}\n{}", table(&log.findings), choices.concat())
+        }
+    };
     let said = if arguments.quiet && !arguments.json { Exit::Done } else { say(&text) };
     if let Some(trouble) = log.trouble {
         complain(&format!("{trouble}\n"));
@@ -237,6 +251,19 @@ fn grid(arguments: &Study) -> Result<Grid, Vec<SceneFault>> {
         backends,
         patience: Patience { limit, stop: stop_on_interrupt() },
     })
+}
+
+fn budget(arguments: &Study) -> Result<Option<Budget>, Vec<SceneFault>> {
+    let number =
+        |option: &str, text: &Option<String>| match text.as_ref().map(|text| (text, text.trim().parse::<f64>())) {
+            None => Ok(None),
+            Some((_, Ok(number))) if number > 0.0 && number.is_finite() => Ok(Some(number)),
+            Some((text, _)) => Err(wrong(&format!("{option} {text}"), "expected a number above 0")),
+        };
+    match (number("--error", &arguments.error), number("--fps", &arguments.fps)) {
+        (Ok(error), Ok(fps)) => Ok(error.map(|error| Budget { error, fps })),
+        (error, fps) => Err(error.err().into_iter().chain(fps.err()).collect()),
+    }
 }
 
 fn words<T: Copy>(option: &str, list: &[String], known: &[(&str, T)]) -> Result<Vec<T>, Vec<SceneFault>> {

@@ -5,8 +5,10 @@
 use serde_json::{Map, Value, json};
 use vesper::prelude::Backend;
 
+use super::budget::Budget;
 use super::grid::Refusal;
 use super::measure::{Method, Run, Setting};
+use super::problem::Problem;
 use crate::assemble::integrators::integrator;
 use crate::reader::Reader;
 use crate::scene::Precision as Numbers;
@@ -60,6 +62,18 @@ impl Findings {
             gains
         });
         runs
+    }
+
+    /// The same object, with the choice for each problem where there is a budget.
+    pub fn to_json_and(&self, budget: Option<&Budget>, problems: &[Problem]) -> Value {
+        let mut object = self.to_json();
+        if let (Some(budget), Some(fields)) = (budget, object.as_object_mut()) {
+            let choice =
+                |problem: &Problem| (problem.id.clone(), budget.choice(problem, self).map_or(Value::Null, run));
+            let choices: Map<String, Value> = problems.iter().map(choice).collect();
+            fields.insert("choice".to_owned(), Value::Object(choices));
+        }
+        object
     }
 
     /// The object that `study --json` prints and `study.json` holds.

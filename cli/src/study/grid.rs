@@ -107,7 +107,7 @@ pub fn makers() -> Vec<Method> {
 }
 
 impl Grid {
-    fn is_stopped(&self) -> bool {
+    pub(super) fn is_stopped(&self) -> bool {
         self.patience.stop.load(Ordering::Relaxed)
     }
 

@@ -5,8 +5,9 @@
 //!
 //! The way of the data: [`case`](Case) reads cases, `setup` makes laws and rows of one; a [`Problem`] is such a case or a
 //! scene; [`measure()`] runs it by a [`Method`]; a [`Grid`] says which methods, and where to stop; [`Findings`] holds what
-//! came of it; `table` and `diagram` show it.
+//! came of it; `table` and `diagram` show it; a [`Budget`] chooses from it.
 
+mod budget;
 mod case;
 mod diagram;
 mod findings;
@@ -16,6 +17,7 @@ mod problem;
 mod setup;
 mod table;
 
+pub use budget::Budget;
 pub use case::{Body, Case, CaseLaw, Region, Sample, Spring, read};
 pub use diagram::diagram;
 pub use findings::{Findings, LEVELS};
@@ -23,4 +25,4 @@ pub use grid::{Grid, Keeper, Refusal, makers};
 pub use measure::{Method, Patience, Run, Setting, answer, measure};
 pub use problem::{Answer, Moment, Problem};
 pub use setup::builder;
-pub use table::table;
+pub use table::{choice, table};

@@ -5,8 +5,10 @@
 
 use std::fmt::Write;
 
-use super::findings::{Findings, LEVELS, Told};
-use super::measure::Run;
+use super::budget::Budget;
+use super::findings::{Findings, LEVELS, Told, number_type};
+use super::measure::{Method, Run};
+use super::problem::Problem;
 
 /// The table.
 pub fn table(findings: &Findings) -> String {
@@ -15,6 +17,39 @@ pub fn table(findings: &Findings) -> String {
         _ => many(findings),
     };
     refusals(findings, &mut text);
+    text
+}
+
+/// What meets a budget at the least cost, with the evidence; or how near anything comes.
+pub fn choice(findings: &Findings, problem: &Problem, budget: &Budget) -> String {
+    let within = format!("{}: an error of at most {:e}", problem.id, budget.error);
+    let Some(run) = budget.choice(problem, findings) else {
+        let nearest = findings.best(&problem.id).and_then(|run| run.bound);
+        return match (nearest, budget.fps) {
+            (None, _) => format!("{within} cannot be shown: there is no answer to measure it by\n"),
+            (Some(bound), None) => format!("{within} is met by no run: the nearest one comes to {bound:.1e}\n"),
+            (Some(bound), Some(fps)) => format!(
+                "{within}, at {fps} frames a second, is met by no run: the nearest one, at any speed, comes to {bound:.1e}\n"
+            ),
+        };
+    };
+    let Method { numbers, compensated, .. } = run.method;
+    let kept = if compensated { ", compensated" } else { "" };
+    let [median, shortest, longest] = run.wall.map(time);
+    let mut text = format!(
+        "{within} costs least by {} with {}, in {}{kept}:\n  error {:.1e}, at most {:.1e}; {median} ({shortest} to {longest}); \
+         {} evaluations\n",
+        run.method.integrator.name,
+        run.method.setting_words(),
+        number_type(numbers),
+        run.error.unwrap_or(f64::NAN),
+        run.bound.unwrap_or(f64::NAN),
+        run.evaluations,
+    );
+    if let Some(fps) = budget.fps {
+        let share = 100.0 * run.wall[0] / problem.length();
+        _ = writeln!(text, "  {share:.2} % of the time of a frame, at {fps} frames a second");
+    }
     text
 }
 

@@ -57,6 +57,34 @@ fn a_scene_without_an_answer_gets_one_and_a_diagram() {
 }
 
 #[test]
+fn a_budget_is_met_by_a_run_that_was_made() {
+    let folder = Scratch::new("study-budget");
+    let scene = folder.write("spring.toml", SPRING);
+    let asked =
+        ["study", &scene, "--integrators", "leapfrog,symplectic_6", "--limit", "0.05", "--of", "bodies.position"];
+    let told = done(asked.into_iter().chain(["--error", "1e-6", "--json"])).json();
+    let choice = &told["choice"]["spring"];
+    let number = |run: &Value, key: &str| run[key].as_f64().unwrap_or(f64::INFINITY);
+    assert!(number(choice, "bound") <= 1e-6 && choice["stable"] == true, "{choice}");
+    let runs = told["runs"].as_array().unwrap();
+    assert!(runs.contains(choice));
+    // It was looked for beyond the steps of the study, up to the longest one that fits between two comparisons.
+    let other = runs.iter().filter(|run| run["bound"].as_f64().is_some_and(|bound| bound <= 1e-6));
+    assert!(number(choice, "step") > 0.08 && other.count() > 2, "{choice}");
+    let words = done(asked.into_iter().chain(["--error", "1e-6", "--fps", "60"])).stdout;
+    assert!(words.contains("spring: an error of at most 1e-6 costs least by symplectic_6 with step "), "{words}");
+    assert!(words.contains("% of the time of a frame, at 60 frames a second"), "{words}");
+    let words = done(asked.into_iter().chain(["--error", "1e-30"])).stdout;
+    assert!(words.contains("spring: an error of at most 1e-30 is met by no run: the nearest one comes to "), "{words}");
+    let wrong = vesper(asked.into_iter().chain(["--error", "small"]));
+    assert!(
+        wrong.status == 2 && wrong.stderr.contains("expected a number above 0\n  --> --error small"),
+        "{}",
+        wrong.stderr
+    );
+}
+
+#[test]
 fn cases_have_a_table_with_the_nearest_and_the_fastest() {
     let cases = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/references.json");
     let chosen = "projectile_vacuum,rel_force_free";

@@ -9,8 +9,8 @@ use vesper::prelude::*;
 /// magnetic field (0, 0, 0.02) fills -1000 <= x < 1000, y >= 0. Each particle leaves the box at y = 0, runs half a circle
 /// and comes back to y = 0 beyond the box, from where it goes straight on.
 ///
-/// The fields jump at y = 0. An integrator steps across: it feels the old field for up to a step too long, an error of
-/// first order in the step, whatever its own order.
+/// The fields jump at y = 0. Steps end there, since boxes say where they are; one that goes across feels the old field for up
+/// to its whole length too long, an error of first order in the step, whatever the integrator's own order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spectrograph;
 

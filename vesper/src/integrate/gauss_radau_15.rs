@@ -4,7 +4,7 @@
 //! make a polynomial of degree 7, found by iteration: each round evaluates the laws at seven places, and two or three
 //! rounds do, since the polynomial of the step before foretells this one's. The state is compensated, so that the error
 //! of the energy grows like that of a random walk. For every smooth problem that deserves all digits, close encounters and
-//! eccentric orbits among them. Not for stiff laws, where the rounds do not close, nor for laws with jumps.
+//! eccentric orbits among them. Not for stiff laws, where the rounds do not close.
 //!
 //! Where the rate of every coordinate is its momentum (Motion) only the momenta have polynomials, and coordinates are
 //! their second integrals: fewer rounds, since they need not wait for them.

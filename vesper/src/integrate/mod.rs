@@ -12,7 +12,10 @@
 //! | [`RungeKutta4`] | 4 | 4 | any laws |
 //! | [`Symplectic4`], [`Symplectic6`], [`Symplectic8`] | 4, 6, 8 | 6, 10 or 11, 17 | long runs, high accuracy |
 //! | [`DormandPrince5`], [`DormandPrince8`] | 5, 8, adaptive | 6, 12 | a tolerance, any laws |
-//! | [`GaussRadau15`] | 15, adaptive | 20 to 30 | all digits |
+//! | [`GaussRadau15`] | 15, adaptive | 7 a round | all digits |
+//!
+//! A step ends where a law's switch turns or a row leaves a region of a field: adaptive integrators ask for it
+//! ([`System::turned`]), and the engine cuts the steps of all others, so that each keeps its order.
 
 mod adaptive;
 mod dormand_prince_5;
