@@ -186,3 +186,46 @@ fn sums_of_short_long_and_lent_vectors() {
         }
     }
 }
+
+property! {
+    /// Height above the ground.
+    pub Height: Scalar, "m", switch;
+    /// Where a row was headed when the step began.
+    pub Heading: Vector, "1", switch;
+}
+
+/// Ground at z = 0, and a field that pushes.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(
+    reads(position: Position, velocity: Velocity, previous held: Height, previous heading: Heading),
+    fields(push: ElectricField),
+    sets(height: Height, now: Heading),
+    adds(force: Force)
+)]
+struct Ground;
+
+#[kernel]
+impl<R: Real> RowLaw<R> for Ground {
+    fn row(&self, row: GroundRow<R>) -> GroundOutput<R> {
+        let height = row.position.z();
+        let up = R::Vec3::new(R::lit(0.0), R::lit(0.0), R::lit(-400.0) * height);
+        let force = R::select_vector(row.held.less(R::lit(0.0)), up, R::Vec3::zero());
+        GroundOutput { height, now: row.velocity, force: force + row.push + row.heading * R::lit(0.0) }
+    }
+}
+
+#[test]
+fn steps_that_are_taken_again_to_a_jump() {
+    let domain = Domain::new("bodies")
+        .with(Position, [[0.0, 0.0, 0.01], [0.24, 0.0, 0.5]])
+        .with(Velocity, [[1.0, 0.0, -0.5]; 2])
+        .with(Mass, [1.0; 2]);
+    let part = FieldBox { min: [0.0; 3], max: [0.25, 1.0, 1.0], value: [0.5, 0.0, 0.0] };
+    let builder = Engine::<f64>::builder().domain(domain).field(ElectricField, Boxes { boxes: vec![part] });
+    let builder = builder.law(Ground).law(Motion).isa(Isa::Scalar).step(0.03).compensated();
+    let mut engine = builder.integrator(SemiImplicitEuler).build().unwrap();
+    engine.advance(0.03).unwrap();
+    // The first row lands after 0.02 s, and the other one leaves the box after 0.01 s.
+    assert!(engine.state().get("bodies", Position, 0).unwrap().z < 0.0);
+    assert!(engine.evaluations() > 6);
+}

@@ -47,7 +47,7 @@ A path of --set is names between dots: engine.step, constants.gravity, laws.NAME
     Run(Run),
     /// Measures speed against error: for a scene, or for a file of cases with known answers
     #[command(after_help = "Examples:
-  vesper study examples/scenes/c7g-soft-spring-and-weight.toml
+  vesper study examples/scenes/c7g-soft-spring-gravity.toml
   vesper study scene.toml --integrators leapfrog,gauss_radau_15 --steps 0.1,0.01 --out results
   vesper study scene.toml --error 1e-6 --of bodies.position --fps 60
   vesper study scene.toml --precisions f32,f64 --compensated --of bodies.position

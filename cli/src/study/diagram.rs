@@ -2,9 +2,11 @@
 //!
 //! In: the runs of a problem. Out: SVG text; what no other run beats in both is ringed. Never: a run without an error.
 
-use super::findings::{Findings, backend_word, number_type};
-use super::measure::Run;
+use super::findings::Findings;
+use super::measure::{Method, Run};
+use crate::assemble::integrators::INTEGRATORS;
 use crate::output::svg::{Svg, colour};
+use crate::scene::Precision;
 
 const LEFT: f64 = 84.0;
 const TOP: f64 = 64.0;
@@ -52,39 +54,47 @@ pub fn diagram(findings: &Findings, case: &str) -> Option<String> {
         time: decades(&|run| run.wall[0].max(1e-9)),
         error: decades(&|run| run.error.unwrap_or(MOST).clamp(LEAST, MOST)),
     };
-    let mut names: Vec<String> = Vec::new();
-    for run in &runs {
-        let name = series(run);
+    let mut lines: Vec<Vec<&Run>> = Vec::new();
+    for &run in &runs {
+        match lines.iter_mut().find(|line| is_one_line(line[0], run)) {
+            Some(line) => line.push(run),
+            None => lines.push(vec![run]),
+        }
+    }
+    let mut names: Vec<&str> = Vec::new();
+    for name in lines.iter().map(|line| line[0].method.integrator.name) {
         if !names.contains(&name) {
             names.push(name);
         }
     }
-    let mut svg = Svg::begin(LEFT + WIDTH + LEGEND, TOP + f64::max(HEIGHT + 64.0, 22.0 * (names.len() + 3) as f64));
+    let mut svg = Svg::begin(LEFT + WIDTH + LEGEND, TOP + f64::max(HEIGHT + 64.0, 22.0 * (names.len() + 6) as f64));
     svg.text(LEFT, 26.0, "font-size=\"17\" font-weight=\"bold\"", case);
     let answer = findings.answers.iter().find(|(name, _)| name == case).and_then(|(_, answer)| answer.as_ref().ok());
     let told = answer.map_or_else(String::new, |(by, _)| format!("answer: {by}"));
     svg.text(LEFT, 47.0, "fill=\"#555\"", &told);
     axes(&mut svg, &view);
-    for (number, name) in names.iter().enumerate() {
-        let colour = colour(number, names.len());
-        let of: Vec<&&Run> = runs.iter().filter(|run| series(run) == *name).collect();
-        let path: Vec<String> = of
-            .iter()
-            .map(|run| {
-                let (x, y) = view.at(run);
-                format!("{x:.1} {y:.1}")
-            })
-            .collect();
+    for line in &lines {
+        let colour = colour_of(line[0]);
+        let at = |run: &&Run| {
+            let (x, y) = view.at(run);
+            format!("{x:.1} {y:.1}")
+        };
+        let path: Vec<String> = line.iter().map(at).collect();
+        let dashes = dashes(line[0]);
         svg.line(format!(
-            "<path d=\"M{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.5\" stroke-opacity=\"0.8\"/>",
+            "<path d=\"M{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.5\" stroke-opacity=\"0.8\" stroke-dasharray=\"{dashes}\"/>",
             path.join("L")
         ));
-        for run in of {
+        for run in line {
             let (x, y) = view.at(run);
             let fill = if run.stable { colour.as_str() } else { "#ffffff" };
             svg.line(format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{fill}\" stroke=\"{colour}\"/>"));
         }
+    }
+    for (number, name) in names.iter().enumerate() {
+        let colour = lines.iter().find(|line| line[0].method.integrator.name == *name).map(|line| colour_of(line[0]));
         let (x, y) = (LEFT + WIDTH + 20.0, TOP + 10.0 + 22.0 * number as f64);
+        let colour = colour.unwrap_or_default();
         svg.line(format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{colour}\"/>"));
         svg.text(x + 12.0, y + 4.5, "", name);
     }
@@ -101,24 +111,46 @@ pub fn diagram(findings: &Findings, case: &str) -> Option<String> {
     svg.text(x + 12.0, y + 4.5, "fill=\"#555\"", "none is faster and nearer");
     svg.line(format!("<circle cx=\"{x:.1}\" cy=\"{:.1}\" r=\"3\" fill=\"#ffffff\" stroke=\"#777777\"/>", y + 22.0));
     svg.text(x + 12.0, y + 26.5, "fill=\"#555\"", "unstable");
+    let mut y = y + 22.0;
+    for (dashes, words) in WAYS {
+        if lines.iter().any(|line| self::dashes(line[0]) == dashes) {
+            y += 22.0;
+            svg.line(format!(
+                "<path d=\"M{:.1} {y:.1}h20\" stroke=\"#777777\" stroke-width=\"1.5\" stroke-dasharray=\"{dashes}\"/>",
+                x - 8.0
+            ));
+            svg.text(x + 18.0, y + 4.5, "fill=\"#555\"", words);
+        }
+    }
     svg.line("</svg>".to_owned());
     Some(svg.text)
 }
 
-/// A line of the diagram: an integrator, and in which numbers it runs where they are not the usual ones.
-fn series(run: &Run) -> String {
-    let method = &run.method;
-    let mut name = method.integrator.name.to_owned();
-    if number_type(method.numbers) != "f64" {
-        name = format!("{name}, {}", number_type(method.numbers));
+/// How lines are dashed that are not as usual.
+const WAYS: [(&str, &str); 3] = [("6 4", "compensated"), ("2 3", "f32"), ("8 3 2 3", "f32, compensated")];
+
+fn dashes(run: &Run) -> &'static str {
+    match (run.method.numbers, run.method.compensated) {
+        (Precision::F64, false) => "none",
+        (Precision::F64, true) => WAYS[0].0,
+        (Precision::F32, false) => WAYS[1].0,
+        (Precision::F32, true) => WAYS[2].0,
     }
-    if method.compensated {
-        name += ", compensated";
-    }
-    match backend_word(method.backend) {
-        "auto" => name,
-        backend => format!("{name}, {backend}"),
-    }
+}
+
+/// Whether two runs are points of one line.
+fn is_one_line(one: &Run, other: &Run) -> bool {
+    let key = |run: &Run| {
+        let Method { integrator, numbers, compensated, backend, .. } = run.method;
+        (integrator.name, numbers, compensated, backend)
+    };
+    key(one) == key(other)
+}
+
+/// The same for an integrator in every diagram.
+fn colour_of(run: &Run) -> String {
+    let number = INTEGRATORS.iter().position(|known| known.name == run.method.integrator.name);
+    colour(number.unwrap_or_default(), INTEGRATORS.len())
 }
 
 fn axes(svg: &mut Svg, view: &View) {

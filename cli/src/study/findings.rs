@@ -51,9 +51,9 @@ impl Findings {
         self.of(case).filter(meets).min_by(|one, other| one.wall[0].total_cmp(&other.wall[0]))
     }
 
-    /// The runs that no other one beats in both time and error, from fast to exact.
+    /// The stable runs that no other one beats in both time and error, from fast to exact.
     pub fn front(&self, case: &str) -> Vec<&Run> {
-        let mut runs: Vec<&Run> = self.of(case).filter(|run| run.error.is_some_and(f64::is_finite)).collect();
+        let mut runs: Vec<&Run> = self.of(case).filter(|run| run.stable && run.error.is_some()).collect();
         runs.sort_by(|one, other| one.wall[0].total_cmp(&other.wall[0]));
         let mut best = f64::INFINITY;
         runs.retain(|run| {

@@ -150,10 +150,8 @@ fn one(findings: &Findings, case: &str, answer: &Told) -> String {
     };
     let line = |text: &mut String, run: &Run| {
         let drift: Vec<String> = run.drift.iter().map(|(name, value)| format!("{name} {value:.0e}")).collect();
-        let mut words = vec![format!("drift: {}", drift.join(", "))];
-        if drift.is_empty() {
-            words.clear();
-        }
+        let mut words: Vec<String> = run.method.compensated.then(|| "compensated".to_owned()).into_iter().collect();
+        words.extend((!drift.is_empty()).then(|| format!("drift: {}", drift.join(", "))));
         words.extend((!run.stable && run.broke.is_none()).then(|| "unstable".to_owned()));
         words.extend(run.broke.clone());
         _ = writeln!(
