@@ -216,16 +216,14 @@ impl<R: Real> RowLaw<R> for Ground {
 
 #[test]
 fn steps_that_are_taken_again_to_a_jump() {
-    let domain = Domain::new("bodies")
-        .with(Position, [[0.0, 0.0, 0.01], [0.24, 0.0, 0.5]])
-        .with(Velocity, [[1.0, 0.0, -0.5]; 2])
-        .with(Mass, [1.0; 2]);
+    let domain =
+        Domain::new("bodies").with(Position, [[0.24, 0.0, 0.5]]).with(Velocity, [[1.0, 0.0, -0.5]]).with(Mass, [1.0]);
     let part = FieldBox { min: [0.0; 3], max: [0.25, 1.0, 1.0], value: [0.5, 0.0, 0.0] };
     let builder = Engine::<f64>::builder().domain(domain).field(ElectricField, Boxes { boxes: vec![part] });
-    let builder = builder.law(Ground).law(Motion).isa(Isa::Scalar).step(0.03).compensated();
+    let builder = builder.law(Ground).law(Motion).isa(Isa::Scalar).step(0.015).compensated();
     let mut engine = builder.integrator(SemiImplicitEuler).build().unwrap();
-    engine.advance(0.03).unwrap();
-    // The first row lands after 0.02 s, and the other one leaves the box after 0.01 s.
-    assert!(engine.state().get("bodies", Position, 0).unwrap().z < 0.0);
-    assert!(engine.evaluations() > 6);
+    engine.advance(0.015).unwrap();
+    // It leaves the box after 0.01 s.
+    assert!(engine.state().get("bodies", Position, 0).unwrap().x > 0.25);
+    assert!(engine.evaluations() > 6, "{}", engine.evaluations());
 }
