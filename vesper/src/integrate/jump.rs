@@ -2,7 +2,7 @@
 //!
 //! In: a system that holds its switches, and steps that were tried. Out: the length at which the first one turns, to
 //! rounding; the step is then taken once more, to there. No interpolation: what is true at the end of a step is true of the
-//! state that the integrator goes on from. Never: a step of its own, but for integrators of fixed steps, by `Split`.
+//! state that the integrator goes on from. Never: a step of its own, but for integrators of fixed steps, by `split`.
 //!
 //! Sources: Shampine, Gladwell, Brankin, ACM TOMS 17 (1991) 11, on cases that are held; Dowell, Jarratt, BIT 11 (1971) 168, for
 //! the Illinois method.
@@ -64,7 +64,8 @@ impl Jump {
         }
         let width = self.high - self.low;
         let least = self.least;
-        if width <= 2.0 * least || self.tries > MOST {
+        // Wide enough for a place within, a little off both ends, however these are rounded.
+        if width <= 4.0 * least || self.tries > MOST {
             return if turned { Found::Here } else { Found::Closer(self.high) };
         }
         // An end that stays counts for half as much each time, so that the other one does not creep up to it.

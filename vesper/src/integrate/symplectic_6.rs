@@ -1,6 +1,7 @@
 //! Symplectic splitting of order 6, ten or eleven evaluations per step.
 //!
-//! Time-reversible and symplectic: the energy error stays bounded, without a trend. For long runs of smooth problems. Refuses forces that depend on velocities. Not for close encounters.
+//! Time-reversible and symplectic: the energy error stays bounded, without a trend. For long runs of smooth problems.
+//! Refuses forces that depend on velocities. Not for close encounters.
 //!
 //! Where x' is the momentum itself (Motion), a Nystroem table of eleven evaluations is used.
 //!
