@@ -96,6 +96,14 @@ pub struct SceneArguments {
     /// Where laws run that do not say
     #[arg(long, value_name = "auto|cpu|parallel")]
     pub backend: Option<String>,
+    /// Threads, strictness, single values.
+    #[command(flatten)]
+    pub changes: Changes,
+}
+
+/// What any command may change of a scene.
+#[derive(Args, Debug)]
+pub struct Changes {
     /// Threads for parallel laws [default: all cores]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub threads: Option<String>,
@@ -145,15 +153,9 @@ pub struct Study {
     /// Time to stop at, in s
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub end: Option<String>,
-    /// Threads for parallel laws [default: all cores]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub threads: Option<String>,
-    /// Every law must run: one that lacks its data is a mistake of the scene
-    #[arg(long)]
-    pub strict: bool,
-    /// Sets one value of the scene, as in engine.step=1e-3; may be given many times
-    #[arg(long = "set", value_name = "PATH=VALUE", allow_hyphen_values = true)]
-    pub set: Vec<String>,
+    /// Threads, strictness, single values.
+    #[command(flatten)]
+    pub changes: Changes,
     /// Integrators to try [default: all]
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
     pub integrators: Vec<String>,
@@ -212,18 +214,27 @@ pub struct Explain {
     pub dot: bool,
 }
 
+impl Changes {
+    /// As changes of the scene; those of `--set` last.
+    fn overrides(&self) -> impl Iterator<Item = Override> {
+        let settings = [
+            option("--threads", "threads", self.threads.as_ref(), OptionKind::Number),
+            option("--strict", "strict", self.strict.then(String::new).as_ref(), OptionKind::Flag),
+        ];
+        settings.into_iter().flatten().chain(self.set.iter().cloned().map(Override::Set))
+    }
+}
+
 impl SceneArguments {
     /// All changes of the scene, so that they are checked as the scene is; those of `--set` last.
     pub fn overrides(&self) -> Vec<Override> {
-        use OptionKind::{Flag, Number, Word};
+        use OptionKind::Word;
         let settings = [
             option("--integrator", "integrator", self.integrator.as_ref(), Word),
             option("--precision", "precision", self.precision.as_ref(), Word),
             option("--backend", "backend", self.backend.as_ref(), Word),
-            option("--threads", "threads", self.threads.as_ref(), Number),
-            option("--strict", "strict", self.strict.then(String::new).as_ref(), Flag),
         ];
-        settings.into_iter().flatten().chain(self.set.iter().cloned().map(Override::Set)).collect()
+        settings.into_iter().flatten().chain(self.changes.overrides()).collect()
     }
 }
 
@@ -241,13 +252,8 @@ impl Run {
 impl Study {
     /// All changes of the scene.
     pub fn overrides(&self) -> Vec<Override> {
-        use OptionKind::{Flag, Number, Seconds};
-        let settings = [
-            option("--threads", "threads", self.threads.as_ref(), Number),
-            option("--strict", "strict", self.strict.then(String::new).as_ref(), Flag),
-            option("--end", "end", self.end.as_ref(), Seconds),
-        ];
-        settings.into_iter().flatten().chain(self.set.iter().cloned().map(Override::Set)).collect()
+        let end = option("--end", "end", self.end.as_ref(), OptionKind::Seconds);
+        end.into_iter().chain(self.changes.overrides()).collect()
     }
 }
 

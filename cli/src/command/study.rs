@@ -179,9 +179,9 @@ fn problems(arguments: &Study) -> Result<Vec<Problem>, Vec<SceneFault>> {
     }
     let scene_options = [
         ("--end", arguments.end.is_some()),
-        ("--set", !arguments.set.is_empty()),
-        ("--strict", arguments.strict),
-        ("--threads", arguments.threads.is_some()),
+        ("--set", !arguments.changes.set.is_empty()),
+        ("--strict", arguments.changes.strict),
+        ("--threads", arguments.changes.threads.is_some()),
         ("--of", !arguments.of.is_empty()),
     ];
     let mut faults: Vec<SceneFault> = scene_options
