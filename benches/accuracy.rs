@@ -35,6 +35,9 @@ impl Keeper for Log {
     fn ran(&mut self, run: Run) {
         self.0.runs.push(run);
     }
+    fn timed(&mut self, again: Run) {
+        self.0.time(again);
+    }
     fn refused(&mut self, refusal: Refusal) {
         self.0.refusals.push(refusal);
     }

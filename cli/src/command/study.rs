@@ -35,6 +35,7 @@ pub(super) fn study(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
     let (Some(mut problems), Some(grid), Some(made), true) = (problems, grid, made, faults.is_empty()) else {
         return Err(faults);
     };
+    let grid = Grid { enough: budget.map(|budget| budget.error), ..grid };
     let variants = grid.numbers.len() * grid.backends.len();
     let steps = (problems.len() * grid.integrators.len() * variants) as u64;
     let mut log = Log {
@@ -52,7 +53,7 @@ pub(super) fn study(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
         grid.study(problem, &mut log);
         if let Some(budget) = &budget {
             let runs: Vec<Run> = log.findings.of(&problem.id).cloned().collect();
-            budget.refine(&grid, problem, &runs, &mut log);
+            budget.refine(&grid, problem, runs, &mut log);
         }
         log.draw(&problem.id);
     }
@@ -152,6 +153,10 @@ impl Keeper for Log {
         }
     }
 
+    fn timed(&mut self, again: Run) {
+        self.findings.time(again);
+    }
+
     fn answered(&mut self, problem: &Problem, answer: Result<(), String>) {
         let told = answer.map(|()| {
             problem.answer.as_ref().map_or_else(Default::default, |answer| (answer.by.clone(), answer.uncertainty))
@@ -249,6 +254,7 @@ fn grid(arguments: &Study) -> Result<Grid, Vec<SceneFault>> {
         numbers: precisions,
         compensated: arguments.compensated,
         backends,
+        enough: None,
         patience: Patience { limit, stop: stop_on_interrupt() },
     })
 }

@@ -31,6 +31,9 @@ pub struct Grid {
     pub compensated: bool,
     /// Where laws run.
     pub backends: Vec<Backend>,
+    /// An error that is small enough: an integrator that comes to it is done, and so is one that has taken longer than another
+    /// one that came to it. Without, each goes on to its best.
+    pub enough: Option<f64>,
     /// When to give up a run.
     pub patience: Patience,
 }
@@ -45,6 +48,7 @@ impl Grid {
             numbers: vec![Numbers::F64],
             compensated: false,
             backends: vec![Backend::Auto],
+            enough: None,
             patience,
         }
     }
@@ -73,6 +77,8 @@ pub trait Keeper {
     fn ended(&mut self) {}
     /// A run is done.
     fn ran(&mut self, run: Run);
+    /// A run that is known has other times now, which were taken with more care.
+    fn timed(&mut self, again: Run);
     /// A problem has an answer now that had none, or has none, for this reason.
     fn answered(&mut self, _problem: &Problem, _answer: Result<(), String>) {}
     /// An integrator cannot.
@@ -92,6 +98,9 @@ const STALLED: usize = 2;
 const RESOLVED: [f64; 2] = [1e-5, 1e-2];
 /// A run that is so many times as fast as another one, and as near to the answer, ends that one's integrator.
 const BEATEN: f64 = 10.0;
+/// Times of what comes to an error that is enough, after which one that has not come to it is given up: more than 1, as clocks
+/// are unsure.
+const LATE: f64 = 2.0;
 /// The steps in one that the pilot takes: the first one that is tried is so much longer.
 const COARSER: f64 = 8.0;
 
@@ -125,10 +134,12 @@ impl Grid {
         let end = Instant::now() + Duration::from_secs_f64(whole);
         let mut integrators = self.integrators.clone();
         integrators.sort_by_key(|known| core::cmp::Reverse((known.make)(&|_, usual| usual).order()));
+        let mut enough = f64::INFINITY;
         for &numbers in &self.numbers {
             for &backend in &self.backends {
                 let known = Vec::new();
-                let mut climb = Climb { grid: self, problem, patience: &patience, end, known, keeper };
+                let mut climb =
+                    Climb { grid: self, problem, patience: &patience, end, known, enough: &mut enough, keeper };
                 for &integrator in &integrators {
                     if self.is_stopped() {
                         return;
@@ -204,6 +215,8 @@ struct Climb<'a> {
     end: Instant,
     /// Times and errors of the runs up to now.
     known: Vec<[f64; 2]>,
+    /// The shortest time of a run that came to an error that is enough.
+    enough: &'a mut f64,
     keeper: &'a mut dyn Keeper,
 }
 
@@ -234,6 +247,13 @@ impl Climb<'_> {
             }
             let (error, wall) = (run.error, run.wall[0]);
             let gave_up = run.broke.is_some() && wall > limit;
+            let comes_to = |enough: f64| run.stable && run.bound.is_some_and(|bound| bound <= enough);
+            if !given && grid.enough.is_some_and(comes_to) {
+                *self.enough = self.enough.min(wall);
+                self.keeper.ran(run);
+                return Ok(None);
+            }
+            let late = run.wall[1] > LATE * *self.enough;
             self.keeper.ran(run);
             if let Some(error) = error {
                 stalled = if error < 0.7 * best { 0 } else { stalled + 1 };
@@ -251,7 +271,7 @@ impl Climb<'_> {
             // What it may come to, if its order holds.
             let hoped = best * 0.5f64.powi(made.order().min(50) as i32);
             let beaten = !adaptive && self.known.iter().any(|[wall, error]| wall * BEATEN < next && *error <= hoped);
-            if gave_up || !given && (beaten || next > limit) {
+            if gave_up || !given && (beaten || late || next > limit) {
                 return Ok(None);
             }
         }

@@ -80,14 +80,14 @@ pub struct Patience {
 }
 
 /// What one go through a problem leaves.
-struct Went {
-    wall: f64,
+pub(super) struct Went {
+    pub(super) wall: f64,
     moments: Vec<Moment>,
     drift: Drift,
     evaluations: u64,
     steps: u64,
     rejected: u64,
-    broke: Option<String>,
+    pub(super) broke: Option<String>,
 }
 
 /// The part of a problem's least scale that counts as nothing: what is at rest shall not be held to a relative error.
@@ -117,7 +117,7 @@ impl Method {
     }
 
     /// Goes through a problem once; `looks`: whether at what should be kept.
-    fn go(&self, problem: &Problem, patience: &Patience, looks: bool) -> Result<Went, String> {
+    pub(super) fn go(&self, problem: &Problem, patience: &Patience, looks: bool) -> Result<Went, String> {
         match self.numbers {
             Numbers::F32 => self.go_as::<f32>(problem, patience, looks),
             Numbers::F64 => self.go_as::<f64>(problem, patience, looks),

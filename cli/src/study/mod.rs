@@ -5,7 +5,7 @@
 //!
 //! The way of the data: [`case`](Case) reads cases, `setup` makes laws and rows of one; a [`Problem`] is such a case or a
 //! scene; [`measure()`] runs it by a [`Method`]; a [`Grid`] says which methods, and where to stop; [`Findings`] holds what
-//! came of it; `table` and `diagram` show it; a [`Budget`] chooses from it.
+//! came of it; `table` and `diagram` show it; a [`Budget`] chooses from it, by the times of a [`race()`].
 
 mod budget;
 mod case;
@@ -14,6 +14,7 @@ mod findings;
 mod grid;
 mod measure;
 mod problem;
+mod race;
 mod setup;
 mod table;
 
@@ -24,5 +25,6 @@ pub use findings::{Findings, LEVELS};
 pub use grid::{Grid, Keeper, Refusal, makers};
 pub use measure::{Method, Patience, Run, Setting, answer, measure};
 pub use problem::{Answer, Moment, Problem};
+pub use race::race;
 pub use setup::builder;
 pub use table::{choice, table};
