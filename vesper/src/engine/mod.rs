@@ -202,6 +202,10 @@ impl<P: Scalar> Engine<P> {
                     runner.step += 1;
                     runner.set_time(clock.at(runner.step));
                     if runner.pipeline.amends {
+                        done = integrator.finish(runner);
+                        if done.is_err() {
+                            break;
+                        }
                         runner.run(Key::Amend);
                         // The state moved after the rates that the integrator remembers.
                         integrator.restart();
@@ -209,6 +213,7 @@ impl<P: Scalar> Engine<P> {
                         runner.pipeline.switches.holds = false;
                     }
                 }
+                done = done.and_then(|()| integrator.finish(runner));
                 if runner.pipeline.observes {
                     runner.run(Key::Observe);
                 }

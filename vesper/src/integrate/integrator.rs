@@ -8,6 +8,8 @@ use crate::error::Fault;
 pub struct Structure {
     /// States that are drifted: "bodies.position".
     pub coordinates: Vec<String>,
+    /// How many rows each of them has.
+    pub rows: Vec<usize>,
     /// States that are kicked, each moving a coordinate.
     pub momenta: Vec<String>,
     /// States that are neither.
@@ -22,6 +24,9 @@ pub struct Structure {
     pub jumps: Vec<String>,
     /// A law that is not evaluated on every step, where there is one.
     pub every: Option<String>,
+    /// The parameters of the laws that run, each with its value: "henon_heiles.lambda". Those that are vectors are not among
+    /// them.
+    pub parameters: Vec<(String, f64)>,
 }
 
 impl Structure {
@@ -108,6 +113,14 @@ pub trait Integrator: Send {
     /// # Errors
     /// No step that it may take is short enough for its tolerance. The state is then the last one that it accepted.
     fn step(&mut self, system: &mut dyn System, step: f64) -> Result<(), Fault>;
+    /// Brings the state to the end of the last step, where steps leave it behind: asked before anybody looks at it. The time
+    /// is that of the end already, and stays.
+    ///
+    /// # Errors
+    /// As [`Integrator::step`].
+    fn finish(&mut self, _system: &mut dyn System) -> Result<(), Fault> {
+        Ok(())
+    }
     /// The state has changed from outside: nothing remembered of it holds any longer.
     fn restart(&mut self) {}
     /// What it remembers from step to step besides its vectors, for a checkpoint; nothing after a restart.

@@ -1,5 +1,6 @@
 //! What an integrator sees of laws and data: vectors over the whole state, by name, and what can be done with them.
 
+use super::{Quantity, Structure};
 use crate::law::Part;
 
 /// A vector with a number for every number of the state.
@@ -50,6 +51,17 @@ pub trait System {
     /// Goes through the rows of this part. `each` gets the number of the property among the states, and the magnitudes of
     /// the row in every one of the vectors, up to 12; the magnitude of a vector property is its length.
     fn magnitudes(&mut self, of: &[Register], part: Part, each: &mut dyn FnMut(usize, &[f64]));
+    /// What the laws of the run are.
+    fn structure(&self) -> &Structure;
+    /// A property of a domain, "bodies.position"; `None` where there is none, or only some rows have it. Found once,
+    /// not in every step.
+    fn find(&self, name: &str) -> Option<Quantity>;
+    /// Reads the numbers of a quantity component by component: all x, then all y, then all z. From a vector, where it is a
+    /// state; what is none stands only in [`Register::State`], and is not read from another one.
+    fn read(&self, quantity: Quantity, from: Register, to: &mut [f64]);
+    /// Writes the numbers of a state, in the order of [`System::read`]. They are a trial, as in [`System::linear`]: rounding
+    /// errors that are kept stay as they are. What is no state is not written.
+    fn write(&mut self, quantity: Quantity, from: &[f64]);
     /// Whether the rates of momenta depend on momenta: a force that depends on a velocity.
     fn momenta_depend_on_momenta(&self) -> bool;
     /// Whether the rates of coordinates depend on more than momenta: on coordinates, or on the time.

@@ -16,6 +16,7 @@ mod group;
 mod linear;
 mod merge;
 mod plan;
+mod quantities;
 mod run;
 mod switches;
 mod vectors;
@@ -123,7 +124,8 @@ impl<P: Scalar> Pipeline<P> {
         let graph = Graph::new(&entries, &registry, state)?;
         let at = |(domain, property): &(String, String)| registry.find(state.domain_index(domain)?, property);
         let observed: Vec<QuantityId> = observe.iter().filter_map(at).collect();
-        let structure = structure(&entries, &registry, &graph, state);
+        let mut structure = structure(&entries, &registry, &graph, state);
+        structure.parameters = parameters(laws, &registry);
         integrator.accept(&structure)?;
         // Results of laws that no longer run must not be taken for results.
         for (index, domain) in state.domains.iter_mut().enumerate() {
@@ -240,6 +242,7 @@ fn structure<P: Scalar>(entries: &[Entry], registry: &Registry, graph: &Graph, s
             match port.property.role {
                 Role::Coordinate => {
                     structure.coordinates.push(name);
+                    structure.rows.push(state.domains[registry.quantities[*id].domain].rows);
                     second_order &= entry.signature.second_order;
                 }
                 Role::Momentum(_) => structure.momenta.push(name),
@@ -268,6 +271,26 @@ fn structure<P: Scalar>(entries: &[Entry], registry: &Registry, graph: &Graph, s
     structure.jumps.dedup();
     structure.second_order = second_order && structure.coordinates_depend_on.is_none();
     structure
+}
+
+/// The parameters of the laws that run, by law and name.
+fn parameters<P: Scalar>(laws: &[Listed<P>], registry: &Registry) -> Vec<(String, f64)> {
+    let runs = |index: &usize| registry.seats.iter().any(|seat| seat.law == *index);
+    let of = |index: usize| {
+        let law = &laws[index];
+        let signature = &law.entry.signature;
+        let starts = signature.parameters.iter().scan(0, |next, parameter| {
+            let at = *next;
+            *next += parameter.width;
+            Some((parameter, at))
+        });
+        let numbers = starts.filter(|(parameter, _)| parameter.width == 1);
+        numbers.filter_map(|(parameter, at)| {
+            let value = law.compiled.parameters.get(at)?;
+            Some((format!("{}.{}", signature.name, parameter.name), *value))
+        })
+    };
+    (0..laws.len()).filter(runs).flat_map(of).collect()
 }
 
 /// A fault for memory that the client holds.

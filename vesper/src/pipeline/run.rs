@@ -6,7 +6,7 @@ use super::switches::Phase;
 use super::{FusedChain, Listed, Machine, Pipeline};
 use crate::backend::{Kernel, LinkCall, PairCall, Strided};
 use crate::field::Field;
-use crate::integrate::{Again, Combination, Register, System};
+use crate::integrate::{Again, Combination, Quantity, Register, Structure, System};
 use crate::law::{ColumnAccess, Part, PortView};
 use crate::property::{Property, PropertyInfo, Time};
 use crate::real::{Isa, Scalar};
@@ -123,6 +123,7 @@ fn in_parts<P: Scalar>(
 /// A pipeline at work on a state.
 pub(crate) struct Runner<'a, P: Scalar> {
     pub(crate) pipeline: &'a mut Pipeline<P>,
+    pub(super) state: &'a State<P>,
     pub(crate) context: Context<'a, P>,
     /// Where laws read the time.
     clock: Option<*mut P>,
@@ -160,7 +161,7 @@ impl<'a, P: Scalar> Runner<'a, P> {
             watch: None,
         };
         let clock = super::bind::locate_column(state, 0, Time::NAME, 0).map(|place| place.base.resolve(lent));
-        let mut runner = Runner { pipeline, context, clock, time, step, evaluations: 0, tried: [0; 2] };
+        let mut runner = Runner { pipeline, state, context, clock, time, step, evaluations: 0, tried: [0; 2] };
         runner.set_time(time);
         runner
     }
@@ -259,6 +260,22 @@ impl<P: Scalar> System for Runner<'_, P> {
     fn magnitudes(&mut self, of: &[Register], part: Part, each: &mut dyn FnMut(usize, &[f64])) {
         // SAFETY: as above.
         unsafe { self.pipeline.vectors.magnitudes(of, part, self.context.lent, each) };
+    }
+
+    fn structure(&self) -> &Structure {
+        &self.pipeline.structure
+    }
+
+    fn find(&self, name: &str) -> Option<Quantity> {
+        self.quantity(name)
+    }
+
+    fn read(&self, quantity: Quantity, from: Register, to: &mut [f64]) {
+        self.read_quantity(quantity, from, to);
+    }
+
+    fn write(&mut self, quantity: Quantity, from: &[f64]) {
+        self.write_quantity(quantity, from);
     }
 
     fn momenta_depend_on_momenta(&self) -> bool {
