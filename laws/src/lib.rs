@@ -32,6 +32,9 @@ struct Declarations;
 pub mod catalog;
 pub mod invariants;
 pub mod reference;
+mod wisdom_holman;
+
+pub use wisdom_holman::{KeplerStep, WisdomHolman, kepler_step};
 
 /// Declares the files of the laws, and brings what they make to the front.
 macro_rules! laws {
