@@ -2,6 +2,8 @@
 
 use vesper::prelude::*;
 
+use vesper_laws::WisdomHolman;
+
 use crate::fault::help_for;
 
 /// What a scene says for an option: its name, and what it is where the scene does not say.
@@ -94,7 +96,29 @@ pub const INTEGRATORS: &[NamedIntegrator] = &[
         options: &["precision"],
         make: |option| Box::new(GaussRadau15::new(option("precision", GaussRadau15::default().precision))),
     },
+    NamedIntegrator {
+        name: "wisdom_holman",
+        about: "Kepler splitting for a dominant mass: order 2, one evaluation per step, symplectic",
+        options: &["g", "corrector"],
+        make: |option| Box::new(wisdom_holman(option, WisdomHolman::new())),
+    },
+    NamedIntegrator {
+        name: "wisdom_holman_high",
+        about: "Kepler splitting, corrected: order 4, two evaluations per step, symplectic",
+        options: &["g", "corrector"],
+        make: |option| Box::new(wisdom_holman(option, WisdomHolman::high())),
+    },
 ];
+
+/// An order of a corrector is a whole number; what is none, no method has.
+fn wisdom_holman(option: Ask<'_>, usual: WisdomHolman) -> WisdomHolman {
+    // 0 is no constant of gravitation: then it is that of the law.
+    let g = option("g", 0.0);
+    let corrector = option("corrector", f64::from(usual.corrector));
+    let corrector = if corrector.fract() == 0.0 { corrector as u32 } else { u32::MAX };
+    let integrator = usual.with_corrector(corrector);
+    if g == 0.0 { integrator } else { integrator.with_g(g) }
+}
 
 fn tolerance(option: Ask<'_>, usual: Tolerance) -> Tolerance {
     Tolerance { relative: option("rtol", usual.relative), absolute: option("atol", usual.absolute) }
@@ -120,6 +144,10 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("dopri5", "dormand_prince_5"),
     ("ode45", "dormand_prince_5"),
     ("dop853", "dormand_prince_8"),
+    ("whfast", "wisdom_holman"),
+    ("wh", "wisdom_holman"),
+    ("mvs", "wisdom_holman"),
+    ("whckl", "wisdom_holman_high"),
     ("ias15", "gauss_radau_15"),
     ("radau", "gauss_radau_15"),
     ("symplectic_euler", "semi_implicit_euler"),

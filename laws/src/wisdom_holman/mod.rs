@@ -201,9 +201,9 @@ impl WisdomHolman {
             }
         }
         // What a checkpoint holds knows no masses.
-        match &mut self.held {
-            Some(held) if held.orbits.rows == 0 && !held.orbits.share(&bound.hierarchy) => self.held = None,
-            _ => {}
+        let fits = |held: &mut Held| held.orbits.rows > 0 || held.orbits.share(&bound.hierarchy);
+        if !self.held.as_mut().is_none_or(fits) {
+            self.held = None;
         }
         Ok(bound)
     }
