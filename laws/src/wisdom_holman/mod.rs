@@ -49,9 +49,9 @@ pub struct WisdomHolman {
     pub kernel: bool,
     isa: Isa,
     /// The quantities of this run, once they are found.
-    bound: Option<Bound>,
+    bound: Option<Box<Bound>>,
     /// Rows as the method sees them, where they still hold.
-    held: Option<Held>,
+    held: Option<Box<Held>>,
     /// Room for what is read and written.
     rates: Vec<f64>,
     numbers: Vec<f64>,
@@ -148,7 +148,7 @@ impl WisdomHolman {
     }
 
     /// Finds the quantities, and shares the masses.
-    fn bind(&self, system: &dyn System) -> Result<Bound, Fault> {
+    fn bind(&self, system: &dyn System) -> Result<Box<Bound>, Fault> {
         let structure = system.structure();
         let domain =
             structure.coordinates.first().and_then(|name| name.rsplit_once('.')).map_or("", |(domain, _)| domain);
@@ -185,11 +185,11 @@ impl WisdomHolman {
             );
         }
         let turns = structure.momenta_depend_on_momenta.is_some();
-        Ok(Bound { position, velocity, hierarchy, turns })
+        Ok(Box::new(Bound { position, velocity, hierarchy, turns }))
     }
 
     /// Makes sure that the quantities are found.
-    fn bound(&mut self, system: &dyn System) -> Result<Bound, Fault> {
+    fn bound(&mut self, system: &dyn System) -> Result<Box<Bound>, Fault> {
         let bound = match self.bound.take() {
             Some(bound) => bound,
             None => self.bind(system)?,
@@ -201,7 +201,7 @@ impl WisdomHolman {
             }
         }
         // What a checkpoint holds knows no masses.
-        let fits = |held: &mut Held| held.orbits.rows > 0 || held.orbits.share(&bound.hierarchy);
+        let fits = |held: &mut Box<Held>| held.orbits.rows > 0 || held.orbits.share(&bound.hierarchy);
         if !self.held.as_mut().is_none_or(fits) {
             self.held = None;
         }
@@ -262,7 +262,7 @@ impl WisdomHolman {
     }
 
     /// The rows as the state has them, as the method sees them.
-    fn begin(&mut self, system: &mut dyn System, bound: &Bound, step: f64) -> Held {
+    fn begin(&mut self, system: &mut dyn System, bound: &Bound, step: f64) -> Box<Held> {
         let mut orbits = match self.held.take() {
             // Another step, which has another corrector.
             Some(held) => self.finished(system, bound, &held),
@@ -274,7 +274,7 @@ impl WisdomHolman {
             }
         };
         self.correct(system, bound, &mut orbits, step, false);
-        Held { orbits, step, left: 0.0 }
+        Box::new(Held { orbits, step, left: 0.0 })
     }
 }
 
@@ -385,7 +385,7 @@ impl Integrator for WisdomHolman {
     fn set_memory(&mut self, memory: &[f64]) {
         self.restart();
         if let [step, left, rest @ ..] = memory {
-            self.held = Orbits::of_memory(rest).map(|orbits| Held { orbits, step: *step, left: *left });
+            self.held = Orbits::of_memory(rest).map(|orbits| Box::new(Held { orbits, step: *step, left: *left }));
         }
     }
 }

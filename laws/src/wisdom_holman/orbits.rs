@@ -91,17 +91,33 @@ impl Hierarchy {
         }
     }
 
-    /// Relative vectors of given ones, each to its `give`; the centre's is given back.
-    fn relative(&self, of: &[f64], component: usize, mut give: impl FnMut(usize, f64)) -> f64 {
-        let of = &of[component * self.rows()..][..self.rows()];
-        let mut centre = of[self.order[0]];
-        for k in 1..self.rows() {
-            let relative = of[self.order[k]] - centre;
+    /// Vectors of all rows, component by component, relative to those before them, each to its `give`; the centre's is given
+    /// back. The three components go side by side: each is a chain of sums.
+    fn relative(&self, of: &[f64], mut give: impl FnMut(usize, [f64; 3])) -> [f64; 3] {
+        let [x, y, z] = components(of, self.rows());
+        let at = |row: usize| [x[row], y[row], z[row]];
+        let mut centre = at(self.order[0]);
+        for (k, (row, share)) in self.order.iter().zip(&self.shares).enumerate().skip(1) {
+            let of = at(*row);
+            let relative = [0, 1, 2].map(|c| of[c] - centre[c]);
             give(k - 1, relative);
-            centre += self.shares[k] * relative;
+            centre = [0, 1, 2].map(|c| centre[c] + share * relative[c]);
         }
         centre
     }
+}
+
+/// The three components of vectors of so many rows.
+fn components(of: &[f64], rows: usize) -> [&[f64]; 3] {
+    let (x, rest) = of.split_at(rows);
+    let (y, rest) = rest.split_at(rows);
+    [x, y, &rest[..rows]]
+}
+
+fn components_mut(of: &mut [f64], rows: usize) -> [&mut [f64]; 3] {
+    let (x, rest) = of.split_at_mut(rows);
+    let (y, rest) = rest.split_at_mut(rows);
+    [x, y, &mut rest[..rows]]
 }
 
 impl Orbits {
@@ -117,11 +133,10 @@ impl Orbits {
         for (part, (of, numbers)) in
             [(position, &mut orbits.position), (velocity, &mut orbits.velocity)].into_iter().enumerate()
         {
-            for component in 0..3 {
-                let sums = &mut numbers.sums[component];
-                let sum = hierarchy.relative(of, component, |k, relative| sums[k] = relative);
-                orbits.centre[part][component] = Kept { sum, error: 0.0 };
-            }
+            let centre = hierarchy.relative(of, |k, relative| {
+                numbers.sums.iter_mut().zip(relative).for_each(|(sums, relative)| sums[k] = relative);
+            });
+            orbits.centre[part] = centre.map(|sum| Kept { sum, error: 0.0 });
         }
         orbits
     }
@@ -153,23 +168,24 @@ impl Orbits {
             Which::Position => (&self.position, &self.centre[0]),
             Which::Velocity => (&self.velocity, &self.centre[1]),
         };
-        for component in 0..3 {
-            let to = &mut to[component * rows..][..rows];
-            let sums = &numbers.sums[component];
-            let mut middle = centre[component].sum;
-            if let Some((factor, by)) = moved {
-                middle += factor * by[component * rows];
-            }
-            for k in (1..rows).rev() {
-                let relative = match moved {
-                    Some((factor, by)) => sums[k - 1] + factor * by[component * rows + k],
-                    None => sums[k - 1],
-                };
-                middle -= hierarchy.shares[k] * relative;
-                to[hierarchy.order[k]] = middle + relative;
-            }
-            to[hierarchy.order[0]] = middle;
+        let [x, y, z] = &numbers.sums;
+        let [to_x, to_y, to_z] = components_mut(to, rows);
+        let mut put = |row: usize, vector: [f64; 3]| [to_x[row], to_y[row], to_z[row]] = vector;
+        let mut middle = centre.map(|kept| kept.sum);
+        let moved = moved.map(|(factor, by)| (factor, components(by, rows)));
+        if let Some((factor, by)) = moved {
+            middle = [0, 1, 2].map(|c| middle[c] + factor * by[c][0]);
         }
+        for k in (1..rows).rev() {
+            let mut relative = [x[k - 1], y[k - 1], z[k - 1]];
+            if let Some((factor, by)) = moved {
+                relative = [0, 1, 2].map(|c| relative[c] + factor * by[c][k]);
+            }
+            let share = hierarchy.shares[k];
+            middle = [0, 1, 2].map(|c| middle[c] - share * relative[c]);
+            put(hierarchy.order[k], [0, 1, 2].map(|c| middle[c] + relative[c]));
+        }
+        put(hierarchy.order[0], middle);
     }
 
     /// What is left of the rates of all rows' velocities when their pull to those before them is taken off, the centre's first,
@@ -177,24 +193,20 @@ impl Orbits {
     pub(super) fn disturbances(&self, hierarchy: &Hierarchy, rates: &[f64], moved: Option<f64>, to: &mut [f64]) {
         let rows = hierarchy.rows();
         let [x, y, z] = &self.position.sums;
-        // Where the places are moved by what is overwritten, they are needed first.
-        for k in 1..rows {
-            let mut place = [x[k - 1], y[k - 1], z[k - 1]];
+        let to = components_mut(to, rows);
+        // Where the places are moved by what is overwritten, each is needed first.
+        let centre = hierarchy.relative(rates, |k, rate| {
+            let mut place = [x[k], y[k], z[k]];
             if let Some(factor) = moved {
-                for (component, place) in place.iter_mut().enumerate() {
-                    *place += factor * to[component * rows + k];
-                }
+                place = [0, 1, 2].map(|c| place[c] + factor * to[c][k + 1]);
             }
             let square = place[0] * place[0] + place[1] * place[1] + place[2] * place[2];
-            let pull = self.parameters[k - 1] / (square * square.sqrt());
-            for (component, place) in place.into_iter().enumerate() {
-                to[component * rows + k] = pull * place;
+            let pull = self.parameters[k] / (square * square.sqrt());
+            for c in 0..3 {
+                to[c][k + 1] = rate[c] + pull * place[c];
             }
-        }
-        for component in 0..3 {
-            let (first, rest) = to[component * rows..][..rows].split_at_mut(1);
-            first[0] = hierarchy.relative(rates, component, |k, rate| rest[k] += rate);
-        }
+        });
+        to.into_iter().zip(centre).for_each(|(to, centre)| to[0] = centre);
     }
 
     /// Changes velocities by this time of disturbances.

@@ -18,8 +18,8 @@ pub(super) struct Drift<'a> {
 
 /// Tries, after which a row is left to the slow way.
 const TRIES: usize = 4;
-/// Changes of X, by X, after which no further try is needed: what is left is of fourth order in them.
-const CLOSE: f64 = 1e-5;
+/// Changes of X, by X, after which no further try is needed: what is left is of fourth order in them, with a small factor.
+const CLOSE: f64 = 2e-4;
 /// The largest beta X^2 at which nine terms of the series do.
 const SHORT: f64 = 1.5;
 
