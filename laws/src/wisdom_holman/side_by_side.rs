@@ -150,7 +150,7 @@ impl WithLanes<f64> for Drift<'_> {
                     distance = start + eta * g[1] + zeta * g[2];
                     break;
                 }
-                x = x + step;
+                x += step;
             }
             let pull = mu * inverse;
             let (f, by_velocity) = (-pull * g[2], t - mu * g[3]);

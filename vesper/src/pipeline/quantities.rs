@@ -32,27 +32,21 @@ impl<P: Scalar> Runner<'_, P> {
             At::State(number) => {
                 let Some(state) = self.pipeline.vectors.states.get(number) else { return };
                 for component in &state.components {
-                    let (start, stride) = match self.pipeline.vectors.vector(from) {
+                    let place = match self.pipeline.vectors.vector(from) {
                         Some(vector) => (vector.wrapping_add(component.at), 1),
                         None => self.start(&component.place),
                     };
-                    // SAFETY: it has `len` numbers; the runner holds the state.
-                    to.by_ref()
-                        .zip(0..state.len)
-                        .for_each(|(to, row)| *to = unsafe { *start.add(row * stride) }.to_f64());
+                    // SAFETY: there are `len` numbers, and the runner holds the state.
+                    unsafe { copy(place, to.by_ref().take(state.len)) };
                 }
             }
             At::Column { domain, column } => {
-                let Some(column) = self.state.domains.get(domain).and_then(|domain| domain.columns.get(column)) else {
-                    return;
-                };
+                let Some(known) = self.state.domains.get(domain) else { return };
+                let Some(column) = known.columns.get(column) else { return };
                 for component in 0..quantity.width {
                     let Some(place) = locate_column(self.state, domain, column.info.name, component) else { return };
-                    let (start, stride) = self.start(&place);
                     // SAFETY: as above.
-                    to.by_ref()
-                        .zip(0..place.len)
-                        .for_each(|(to, row)| *to = unsafe { *start.add(row * stride) }.to_f64());
+                    unsafe { copy(self.start(&place), to.by_ref().take(place.len)) };
                 }
             }
         }
@@ -72,5 +66,16 @@ impl<P: Scalar> Runner<'_, P> {
 
     fn start(&self, place: &Located<P>) -> (*mut P, usize) {
         (place.base.resolve(self.context.lent), place.stride)
+    }
+}
+
+/// Reads numbers that lie so far apart, one for each of these.
+///
+/// # Safety
+/// There are as many, and nobody else touches them.
+unsafe fn copy<'a, P: Scalar>((start, stride): (*mut P, usize), to: impl Iterator<Item = &'a mut f64>) {
+    for (row, to) in to.enumerate() {
+        // SAFETY: the caller promises the numbers.
+        *to = unsafe { *start.add(row * stride) }.to_f64();
     }
 }
