@@ -17,7 +17,7 @@
 //! ```
 //!
 //! [`catalog`] lists the laws for whoever chooses by name; [`invariants`] sums what an undisturbed system keeps;
-//! [`mod@reference`] holds problems with known answers.
+//! [`mod@reference`] holds problems with known answers. [`WisdomHolman`] is an integrator that knows one of the laws.
 
 /// The code of the repository's front page, run as a test.
 #[cfg(doctest)]

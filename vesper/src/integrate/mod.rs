@@ -1,7 +1,8 @@
 //! How a state goes on by one step.
 //!
 //! In: a [`System`] that can be asked for rates. Out: integrators, one file each, written only in sums of vectors and
-//! magnitudes of rows, so that each works with any laws. Never: a law, a column, a property's name.
+//! magnitudes of rows, so that each works with any laws. Never: a law, a column, a property's name. One that uses the
+//! structure of its problem stands in the crate that knows it, and reads and writes rows ([`System::find`]).
 //!
 //! | integrator | order | evaluations per step | for |
 //! |---|---|---|---|
