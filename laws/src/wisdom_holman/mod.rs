@@ -52,6 +52,8 @@ pub struct WisdomHolman {
     bound: Option<Box<Bound>>,
     /// Rows as the method sees them, where they still hold.
     held: Option<Box<Held>>,
+    /// Rows moved, where a kick looks at them.
+    trial: Box<Orbits>,
     /// Room for what is read and written.
     rates: Vec<f64>,
     numbers: Vec<f64>,
@@ -91,6 +93,7 @@ impl WisdomHolman {
             isa: Isa::detect(),
             bound: None,
             held: None,
+            trial: Box::default(),
             rates: Vec::new(),
             numbers: Vec::new(),
             disturbances: Vec::new(),
@@ -213,28 +216,29 @@ impl WisdomHolman {
         f64::with_lanes(self.isa, Drift { orbits, time });
     }
 
-    /// Evaluates what disturbs the rows at these places and velocities, or at those moved by so much of the last
-    /// disturbances.
-    fn disturb(&mut self, system: &mut dyn System, bound: &Bound, orbits: &Orbits, moved: Option<[f64; 2]>) {
+    /// Evaluates what disturbs the rows.
+    fn disturb(&mut self, system: &mut dyn System, bound: &Bound, orbits: &mut Orbits) {
         let Bound { hierarchy, position, velocity, turns } = bound;
-        let by = |k: usize, disturbances| moved.map(|factors: [f64; 2]| (factors[k], disturbances));
-        orbits.absolute(hierarchy, Which::Position, by(0, &self.disturbances[..]), &mut self.numbers);
+        orbits.absolute(hierarchy, Which::Position, &mut self.numbers);
         system.write(*position, &self.numbers);
         if *turns {
-            orbits.absolute(hierarchy, Which::Velocity, by(1, &self.disturbances[..]), &mut self.numbers);
+            orbits.absolute(hierarchy, Which::Velocity, &mut self.numbers);
             system.write(*velocity, &self.numbers);
         }
         system.evaluate(Part::Momenta);
         system.read(*velocity, Register::Rates, &mut self.rates);
-        orbits.disturbances(hierarchy, &self.rates, moved.map(|[place, _]| place), &mut self.disturbances);
+        orbits.disturbances(hierarchy, &self.rates, &mut self.disturbances);
     }
 
     fn kick(&mut self, system: &mut dyn System, bound: &Bound, orbits: &mut Orbits, step: f64, kernel: bool) {
-        self.disturb(system, bound, orbits, None);
+        self.disturb(system, bound, orbits);
         if kernel || bound.turns {
             // a(x + h^2/12 a) is a + h^2/12 (a . grad) a.
-            let place = if kernel { step * step / 12.0 } else { 0.0 };
-            self.disturb(system, bound, orbits, Some([place, 0.5 * step]));
+            let factors = [if kernel { step * step / 12.0 } else { 0.0 }, 0.5 * step];
+            let mut trial = core::mem::take(&mut self.trial);
+            trial.follow(orbits, if bound.turns { &factors } else { &factors[..1] }, &self.disturbances);
+            self.disturb(system, bound, &mut trial);
+            self.trial = trial;
         }
         orbits.kick(step, &self.disturbances);
     }
@@ -366,7 +370,7 @@ impl Integrator for WisdomHolman {
         let bound = self.bound(system)?;
         let orbits = self.finished(system, &bound, &held);
         for (which, quantity) in [(Which::Position, bound.position), (Which::Velocity, bound.velocity)] {
-            orbits.absolute(&bound.hierarchy, which, None, &mut self.numbers);
+            orbits.absolute(&bound.hierarchy, which, &mut self.numbers);
             system.write(quantity, &self.numbers);
         }
         (self.held, self.bound) = (Some(held), Some(bound));
@@ -374,7 +378,7 @@ impl Integrator for WisdomHolman {
     }
 
     fn restart(&mut self) {
-        (self.bound, self.held) = (None, None);
+        (self.bound, self.held, *self.trial) = (None, None, Orbits::default());
     }
 
     fn memory(&self) -> Vec<f64> {

@@ -29,6 +29,8 @@ pub(super) struct Orbits {
     pub(super) velocity: Numbers,
     /// The parameter of the mass that a row goes round, its own included, in m^3/s^2.
     pub(super) parameters: Vec<f64>,
+    /// This parameter by the cube of the distance, where disturbances are taken.
+    pulls: Vec<f64>,
     /// How many rows there are; arrays are longer.
     pub(super) rows: usize,
     /// Place and velocity of the centre of mass.
@@ -149,6 +151,7 @@ impl Orbits {
         }
         self.rows = rows;
         self.parameters = vec![0.0; long];
+        self.pulls = vec![0.0; long];
         self.parameters[..rows].copy_from_slice(&hierarchy.parameters[1..]);
         true
     }
@@ -161,8 +164,25 @@ impl Orbits {
         }
     }
 
+    /// Takes the rows of others, with places moved by so much of disturbances, and velocities, where there is a second
+    /// factor.
+    pub(super) fn follow(&mut self, others: &Orbits, factors: &[f64], disturbances: &[f64]) {
+        if self.rows != others.rows {
+            *self = others.clone();
+        }
+        let by = components(disturbances, others.rows + 1);
+        let parts = [(&mut self.position, &others.position), (&mut self.velocity, &others.velocity)];
+        for (part, ((to, of), factor)) in parts.into_iter().zip(factors).enumerate() {
+            for (c, by) in by.into_iter().enumerate() {
+                self.centre[part][c].sum = others.centre[part][c].sum + factor * by[0];
+                let rows = to.sums[c].iter_mut().zip(&of.sums[c]).zip(&by[1..]);
+                rows.for_each(|((to, of), by)| *to = of + factor * by);
+            }
+        }
+    }
+
     /// Where each row is, or how fast: to every row by its number, component by component.
-    pub(super) fn absolute(&self, hierarchy: &Hierarchy, which: Which, moved: Option<(f64, &[f64])>, to: &mut [f64]) {
+    pub(super) fn absolute(&self, hierarchy: &Hierarchy, which: Which, to: &mut [f64]) {
         let rows = hierarchy.rows();
         let (numbers, centre) = match which {
             Which::Position => (&self.position, &self.centre[0]),
@@ -172,15 +192,8 @@ impl Orbits {
         let [to_x, to_y, to_z] = components_mut(to, rows);
         let mut put = |row: usize, vector: [f64; 3]| [to_x[row], to_y[row], to_z[row]] = vector;
         let mut middle = centre.map(|kept| kept.sum);
-        let moved = moved.map(|(factor, by)| (factor, components(by, rows)));
-        if let Some((factor, by)) = moved {
-            middle = [0, 1, 2].map(|c| middle[c] + factor * by[c][0]);
-        }
         for k in (1..rows).rev() {
-            let mut relative = [x[k - 1], y[k - 1], z[k - 1]];
-            if let Some((factor, by)) = moved {
-                relative = [0, 1, 2].map(|c| relative[c] + factor * by[c][k]);
-            }
+            let relative = [x[k - 1], y[k - 1], z[k - 1]];
             let share = hierarchy.shares[k];
             middle = [0, 1, 2].map(|c| middle[c] - share * relative[c]);
             put(hierarchy.order[k], [0, 1, 2].map(|c| middle[c] + relative[c]));
@@ -189,24 +202,23 @@ impl Orbits {
     }
 
     /// What is left of the rates of all rows' velocities when their pull to those before them is taken off, the centre's first,
-    /// component by component. `moved`: the places that the rates are of, as in [`Orbits::absolute`].
-    pub(super) fn disturbances(&self, hierarchy: &Hierarchy, rates: &[f64], moved: Option<f64>, to: &mut [f64]) {
+    /// component by component.
+    pub(super) fn disturbances(&mut self, hierarchy: &Hierarchy, rates: &[f64], to: &mut [f64]) {
         let rows = hierarchy.rows();
-        let [x, y, z] = &self.position.sums;
-        let to = components_mut(to, rows);
-        // Where the places are moved by what is overwritten, each is needed first.
-        let centre = hierarchy.relative(rates, |k, rate| {
-            let mut place = [x[k], y[k], z[k]];
-            if let Some(factor) = moved {
-                place = [0, 1, 2].map(|c| place[c] + factor * to[c][k + 1]);
-            }
-            let square = place[0] * place[0] + place[1] * place[1] + place[2] * place[2];
-            let pull = self.parameters[k] / (square * square.sqrt());
-            for c in 0..3 {
-                to[c][k + 1] = rate[c] + pull * place[c];
-            }
+        let [x, y, z] = self.position.sums.each_ref().map(|sums| &sums[..rows - 1]);
+        let (pulls, parameters) = (&mut self.pulls[..rows - 1], &self.parameters[..rows - 1]);
+        // A loop of its own, so that roots and quotients of several rows are taken side by side.
+        for k in 0..rows - 1 {
+            let square = x[k] * x[k] + y[k] * y[k] + z[k] * z[k];
+            pulls[k] = parameters[k] / (square * square.sqrt());
+        }
+        let [to_x, to_y, to_z] = components_mut(to, rows);
+        let [centre_x, centre_y, centre_z] = hierarchy.relative(rates, |k, rate| {
+            to_x[k + 1] = rate[0] + pulls[k] * x[k];
+            to_y[k + 1] = rate[1] + pulls[k] * y[k];
+            to_z[k + 1] = rate[2] + pulls[k] * z[k];
         });
-        to.into_iter().zip(centre).for_each(|(to, centre)| to[0] = centre);
+        (to_x[0], to_y[0], to_z[0]) = (centre_x, centre_y, centre_z);
     }
 
     /// Changes velocities by this time of disturbances.
