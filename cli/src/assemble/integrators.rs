@@ -77,6 +77,24 @@ pub const INTEGRATORS: &[NamedIntegrator] = &[
         make: |_| Box::new(Symplectic8::default()),
     },
     NamedIntegrator {
+        name: "boris",
+        about: "order 2, one evaluation per step, turns velocities in magnetic fields",
+        options: &[],
+        make: |_| Box::new(Boris::default()),
+    },
+    NamedIntegrator {
+        name: "higuera_cary",
+        about: "order 2, one evaluation per step, as boris for fast charges",
+        options: &[],
+        make: |_| Box::new(HigueraCary::default()),
+    },
+    NamedIntegrator {
+        name: "boris_8",
+        about: "order 8, seventeen evaluations per step, turns velocities in magnetic fields",
+        options: &[],
+        make: |_| Box::new(Boris8::default()),
+    },
+    NamedIntegrator {
         name: "dormand_prince_5",
         about: "order 5, adaptive, six evaluations per step",
         options: &["rtol", "atol"],
@@ -114,6 +132,8 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("euler", "semi_implicit_euler"),
     ("forward_euler", "explicit_euler"),
     ("rk2", "midpoint"),
+    ("boris_pusher", "boris"),
+    ("hc", "higuera_cary"),
     ("yoshida", "symplectic_4"),
     ("forest_ruth", "symplectic_4"),
     ("rk45", "dormand_prince_5"),

@@ -11,3 +11,4 @@ mod orders;
 mod precision;
 mod solar_system;
 mod subset;
+mod turning;

@@ -3,6 +3,9 @@
 use super::System;
 use crate::error::Fault;
 
+const SEPARABLE: &str = "rates of momenta without momenta, and of coordinates without coordinates or the time";
+const MEND: &str = "take leapfrog or gauss_radau_15";
+
 /// What the builder tells an integrator about the laws, so that it can refuse them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Structure {
@@ -14,6 +17,10 @@ pub struct Structure {
     pub others: Vec<String>,
     /// A momentum that a rate of a momentum depends on, through the laws between: a force that depends on a velocity.
     pub momenta_depend_on_momenta: Option<String>,
+    /// Momenta that forces turn without changing their magnitude, as magnetic ones do: laws add to a turn.
+    pub turned: Vec<String>,
+    /// A momentum that a rate of a momentum depends on by more than being turned.
+    pub depends_beyond_turning: Option<String>,
     /// A coordinate, or the time, that a rate of a coordinate depends on, where there is one.
     pub coordinates_depend_on: Option<String>,
     /// Whether the laws say that the rate of every coordinate is its momentum.
@@ -56,18 +63,31 @@ impl Structure {
     /// # Errors
     /// There is one.
     pub fn separable(&self, integrator: &str) -> Result<(), Fault> {
+        self.drifts(integrator)?;
+        let Some(momentum) = &self.momenta_depend_on_momenta else { return Ok(()) };
+        let found = format!("a rate of a momentum depends on {momentum}");
+        let mend = if self.depends_beyond_turning.is_none() { "take boris or gauss_radau_15" } else { MEND };
+        Err(Structure::refused(integrator, SEPARABLE, found, mend))
+    }
+
+    /// Refuses forces that depend on velocities otherwise than by turning them, and velocities that depend on places.
+    ///
+    /// # Errors
+    /// There is one.
+    pub fn separable_but_for_turning(&self, integrator: &str) -> Result<(), Fault> {
+        self.drifts(integrator)?;
+        let Some(momentum) = &self.depends_beyond_turning else { return Ok(()) };
+        let found = format!("a rate of a momentum depends on {momentum}, and not by a law's turn alone");
+        let need = "rates of momenta without momenta, but for what turns them";
+        Err(Structure::refused(integrator, need, found, MEND))
+    }
+
+    /// Refuses states that are neither coordinates nor momenta, and velocities that depend on places.
+    fn drifts(&self, integrator: &str) -> Result<(), Fault> {
         self.without_others(integrator)?;
-        let need = "rates of momenta without momenta, and of coordinates without coordinates or the time";
-        let mend = "take leapfrog or gauss_radau_15";
-        if let Some(momentum) = &self.momenta_depend_on_momenta {
-            let found = format!("a rate of a momentum depends on {momentum}");
-            return Err(Structure::refused(integrator, need, found, mend));
-        }
-        if let Some(other) = &self.coordinates_depend_on {
-            let found = format!("a rate of a coordinate depends on {other}");
-            return Err(Structure::refused(integrator, need, found, mend));
-        }
-        Ok(())
+        let Some(other) = &self.coordinates_depend_on else { return Ok(()) };
+        let found = format!("a rate of a coordinate depends on {other}");
+        Err(Structure::refused(integrator, SEPARABLE, found, MEND))
     }
 }
 
@@ -90,6 +110,10 @@ pub trait Integrator: Send {
     fn set_first_step(&mut self, _step: f64) {}
     /// Whether the rounding errors of the state are to be kept and added back, whatever the builder says.
     fn compensates(&self) -> bool {
+        false
+    }
+    /// Whether it asks for what turns momenta apart from their other rates.
+    fn rotates(&self) -> bool {
         false
     }
     /// Refuses laws that it cannot integrate.

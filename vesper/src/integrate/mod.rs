@@ -11,6 +11,8 @@
 //! | [`Leapfrog`], [`DriftKickDrift`] | 2 | 1 | long runs, moderate accuracy |
 //! | [`RungeKutta4`] | 4 | 4 | any laws |
 //! | [`Symplectic4`], [`Symplectic6`], [`Symplectic8`] | 4, 6, 8 | 6, 10 or 11, 17 | long runs, high accuracy |
+//! | [`Boris`], [`HigueraCary`] | 2 | 1 | charges in magnetic fields, long runs |
+//! | [`Boris8`] | 8 | 17 | the same, high accuracy |
 //! | [`DormandPrince5`], [`DormandPrince8`] | 5, 8, adaptive | 6, 12 | a tolerance, any laws |
 //! | [`GaussRadau15`] | 15, adaptive | 7 a round | all digits |
 //!
@@ -18,12 +20,15 @@
 //! ([`System::turned`]), and the engine cuts the steps of all others, so that each keeps its order.
 
 mod adaptive;
+mod boris;
+mod boris_8;
 mod dormand_prince_5;
 mod dormand_prince_8;
 mod drift_kick_drift;
 mod explicit_euler;
 mod gauss_radau_15;
 mod gauss_radau_table;
+mod higuera_cary;
 mod integrator;
 mod jump;
 mod leapfrog;
@@ -39,11 +44,14 @@ mod system;
 
 pub use crate::law::Part;
 pub use adaptive::Tolerance;
+pub use boris::Boris;
+pub use boris_8::Boris8;
 pub use dormand_prince_5::DormandPrince5;
 pub use dormand_prince_8::DormandPrince8;
 pub use drift_kick_drift::DriftKickDrift;
 pub use explicit_euler::ExplicitEuler;
 pub use gauss_radau_15::GaussRadau15;
+pub use higuera_cary::HigueraCary;
 pub use integrator::{Integrator, Structure};
 pub(crate) use jump::{Again, split};
 pub use leapfrog::Leapfrog;
@@ -53,4 +61,4 @@ pub use semi_implicit_euler::SemiImplicitEuler;
 pub use symplectic_4::Symplectic4;
 pub use symplectic_6::Symplectic6;
 pub use symplectic_8::Symplectic8;
-pub use system::{Combination, Register, System, Term};
+pub use system::{Combination, Register, Rotation, System, Term};

@@ -13,11 +13,13 @@ pub(super) struct Splitting {
 }
 
 impl Splitting {
-    fn factor(&self, number: usize) -> f64 {
+    /// The factor of the step for this part.
+    pub(super) fn factor(&self, number: usize) -> f64 {
         self.half[number.min(self.len() - 1 - number)]
     }
 
-    const fn len(&self) -> usize {
+    /// Parts of a step.
+    pub(super) const fn len(&self) -> usize {
         2 * self.half.len() - 1
     }
 
