@@ -77,6 +77,12 @@ pub const INTEGRATORS: &[NamedIntegrator] = &[
         make: |_| Box::new(Symplectic8::default()),
     },
     NamedIntegrator {
+        name: "respa",
+        about: "order 2, slow laws kick for all steps of their `every` at once, symplectic",
+        options: &[],
+        make: |_| Box::new(Respa::default()),
+    },
+    NamedIntegrator {
         name: "boris",
         about: "order 2, one evaluation per step, turns velocities in magnetic fields",
         options: &[],
@@ -132,6 +138,8 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("euler", "semi_implicit_euler"),
     ("forward_euler", "explicit_euler"),
     ("rk2", "midpoint"),
+    ("r_respa", "respa"),
+    ("multiple_time_step", "respa"),
     ("boris_pusher", "boris"),
     ("hc", "higuera_cary"),
     ("yoshida", "symplectic_4"),

@@ -9,6 +9,7 @@ mod jumps;
 mod macros;
 mod orders;
 mod precision;
+mod respa;
 mod solar_system;
 mod subset;
 mod turning;

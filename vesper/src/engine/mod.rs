@@ -191,7 +191,8 @@ impl<P: Scalar> Engine<P> {
             |runner| {
                 let mut done = Ok(());
                 let splits = runner.pipeline.switches.any() && !integrator.is_adaptive();
-                for _ in 0..count {
+                for taken in 0..count {
+                    runner.ahead = count - taken;
                     done = match splits {
                         true => split(&mut **integrator, runner, step, Runner::again),
                         false => integrator.step(runner, step),

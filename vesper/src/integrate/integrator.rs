@@ -43,8 +43,18 @@ impl Structure {
     pub fn without_every(&self, integrator: &str) -> Result<(), Fault> {
         let Some(law) = &self.every else { return Ok(()) };
         let found = format!("{law} is evaluated on some steps only");
-        let mend = "leave out its `every`, or take an integrator of fixed steps";
+        let mend = "leave out its `every`, or take respa";
         Err(Structure::refused(integrator, "every law to be evaluated whenever it asks", found, mend))
+    }
+
+    /// Refuses switches of laws and fields with regions, at which a step would have to end.
+    ///
+    /// # Errors
+    /// There is one.
+    pub fn without_jumps(&self, integrator: &str) -> Result<(), Fault> {
+        let Some(jump) = self.jumps.first() else { return Ok(()) };
+        let mend = "take leapfrog, or an adaptive integrator";
+        Err(Structure::refused(integrator, "rates that do not jump", format!("they jump with {jump}"), mend))
     }
 
     /// Refuses states that are neither coordinates nor momenta.

@@ -9,6 +9,7 @@
 //! | [`SemiImplicitEuler`] | 1 | 1 | games |
 //! | [`Midpoint`] | 2 | 2 | any laws, short runs |
 //! | [`Leapfrog`], [`DriftKickDrift`] | 2 | 1 | long runs, moderate accuracy |
+//! | [`Respa`] | 2 | 1 | laws of different pace |
 //! | [`RungeKutta4`] | 4 | 4 | any laws |
 //! | [`Symplectic4`], [`Symplectic6`], [`Symplectic8`] | 4, 6, 8 | 6, 10 or 11, 17 | long runs, high accuracy |
 //! | [`Boris`], [`HigueraCary`] | 2 | 1 | charges in magnetic fields, long runs |
@@ -33,6 +34,7 @@ mod integrator;
 mod jump;
 mod leapfrog;
 mod midpoint;
+mod respa;
 mod runge_kutta;
 mod runge_kutta_4;
 mod semi_implicit_euler;
@@ -56,9 +58,10 @@ pub use integrator::{Integrator, Structure};
 pub(crate) use jump::{Again, split};
 pub use leapfrog::Leapfrog;
 pub use midpoint::Midpoint;
+pub use respa::Respa;
 pub use runge_kutta_4::RungeKutta4;
 pub use semi_implicit_euler::SemiImplicitEuler;
 pub use symplectic_4::Symplectic4;
 pub use symplectic_6::Symplectic6;
 pub use symplectic_8::Symplectic8;
-pub use system::{Combination, Register, Rotation, System, Term};
+pub use system::{Combination, Pace, Register, Rotation, System, Term};

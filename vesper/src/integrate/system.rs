@@ -32,6 +32,17 @@ pub struct Combination<'a> {
     pub momenta: &'a [Term],
 }
 
+/// Which laws give rates, where some are not evaluated on every step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// On every n-th step what is due, and else what it gave last.
+    Held,
+    /// Those that are evaluated on every step.
+    Fast,
+    /// The same, and those that are evaluated on every n-th.
+    With(u32),
+}
+
 /// How momenta are turned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rotation {
@@ -70,6 +81,22 @@ pub trait System {
     /// Whether the rate of every coordinate is its momentum: the laws say so (`second_order`), and it holds in every row
     /// as it is now. May leave other rates of the coordinates behind.
     fn coordinates_follow_momenta(&mut self) -> bool;
+    /// Runs some of the laws once, so that [`Register::Rates`] holds the rates of the momenta by these alone.
+    fn evaluate_at_pace(&mut self, _pace: Pace) {
+        self.evaluate(Part::Momenta);
+    }
+    /// The numbers of steps of laws that are not evaluated on every one, each once.
+    fn paces(&self) -> Vec<u32> {
+        Vec::new()
+    }
+    /// How many steps the engine has taken.
+    fn steps_done(&self) -> u64 {
+        0
+    }
+    /// How many steps are left of the frame, with the one that is taken now.
+    fn steps_ahead(&self) -> u64 {
+        1
+    }
     /// Runs the laws once, so that [`Register::Rates`] holds the rates of the momenta without what turns them, and what
     /// turns them is known to [`System::turn`]. For integrators that say that they rotate.
     fn evaluate_unturned(&mut self) {

@@ -109,7 +109,7 @@ pub(crate) struct Placed {
     /// Whether it may share a pass with its neighbours.
     pub(crate) row_local: bool,
     pub(crate) backend: Backend,
-    /// It runs on every n-th step.
+    /// It runs on every n-th step, or adds what ran then.
     pub(crate) every: u32,
     /// What it reads and writes; for a law, by slot.
     pub(crate) operands: Vec<Operand>,
@@ -414,7 +414,7 @@ impl<P: Scalar> Stage<'_, P> {
             return;
         }
         let release = Placed { op: Op::Release { seat: index }, row_local: false, ..placed.clone() };
-        let hold = Placed { op: Op::Hold { seat: index }, row_local: false, every: 1, ..placed.clone() };
+        let hold = Placed { op: Op::Hold { seat: index }, row_local: false, ..placed.clone() };
         self.ops.extend([release, placed, hold]);
     }
 

@@ -6,7 +6,7 @@ use super::plan::Key;
 use super::switches::Phase;
 use super::{FusedChain, Listed, Machine, Pipeline};
 use crate::field::Field;
-use crate::integrate::{Again, Combination, Register, Rotation, System};
+use crate::integrate::{Again, Combination, Pace, Register, Rotation, System};
 use crate::law::Part;
 use crate::property::{Property, PropertyInfo, Time};
 use crate::real::{Isa, Scalar};
@@ -130,6 +130,10 @@ pub(crate) struct Runner<'a, P: Scalar> {
     pub(crate) time: f64,
     /// The number of the step, for laws that are not evaluated on every one.
     pub(crate) step: u64,
+    /// Steps that are left of the frame, with the one that is taken.
+    pub(crate) ahead: u64,
+    /// Which laws take part, of those that are not evaluated on every step.
+    pace: Pace,
     pub(crate) evaluations: u64,
     /// Steps that an adaptive integrator gave up, and those that it kept.
     pub(crate) tried: [u64; 2],
@@ -160,7 +164,8 @@ impl<'a, P: Scalar> Runner<'a, P> {
             watch: None,
         };
         let clock = super::bind::locate_column(state, 0, Time::NAME, 0).map(|place| place.base.resolve(lent));
-        let mut runner = Runner { pipeline, context, clock, time, step, evaluations: 0, tried: [0; 2] };
+        let mut runner =
+            Runner { pipeline, context, clock, time, step, ahead: 1, pace: Pace::Held, evaluations: 0, tried: [0; 2] };
         runner.set_time(time);
         runner
     }
@@ -170,7 +175,13 @@ impl<'a, P: Scalar> Runner<'a, P> {
         let Pipeline { programs, vectors, .. } = &mut *self.pipeline;
         let mut energy = 0.0;
         for pass in &mut programs[key.index()].passes {
-            let fill = pass.every <= 1 || self.step.is_multiple_of(pass.every.into());
+            let fill = match self.pace {
+                _ if pass.every <= 1 => true,
+                Pace::Held => self.step.is_multiple_of(pass.every.into()),
+                Pace::Fast => continue,
+                Pace::With(pace) if pass.every != pace => continue,
+                Pace::With(_) => true,
+            };
             if pass.fills.is_none_or(|held| fill || !vectors.filled[held]) {
                 energy += run_pass(pass, &self.context);
                 // Shares that were only emptied are filled by the law's own pass, which comes next.
@@ -276,6 +287,28 @@ impl<P: Scalar> System for Runner<'_, P> {
         self.run(Key::Evaluate(Part::Coordinates));
         // SAFETY: as above.
         unsafe { self.pipeline.vectors.rates_are_momenta(self.context.lent) }
+    }
+
+    fn evaluate_at_pace(&mut self, pace: Pace) {
+        let before = core::mem::replace(&mut self.pace, pace);
+        self.evaluate(Part::Momenta);
+        self.pace = before;
+    }
+
+    fn paces(&self) -> Vec<u32> {
+        let all = self.pipeline.programs[Key::Evaluate(Part::Momenta).index()].passes.iter().map(|pass| pass.every);
+        let mut paces: Vec<u32> = all.filter(|pace| *pace > 1).collect();
+        paces.sort_unstable();
+        paces.dedup();
+        paces
+    }
+
+    fn steps_done(&self) -> u64 {
+        self.step
+    }
+
+    fn steps_ahead(&self) -> u64 {
+        self.ahead
     }
 
     fn evaluate_unturned(&mut self) {
