@@ -6,7 +6,7 @@ pub use crate::engine::{Builder, Checkpoint, Configure, Engine, Listing};
 pub use crate::error::{Fault, Faults};
 pub use crate::field::{Bottle, Boxes, Dipole, Field, FieldBox, Point, Points, Uniform};
 pub use crate::integrate::{
-    Boris, Boris8, Combination, DormandPrince5, DormandPrince8, DriftKickDrift, ExplicitEuler, GaussRadau15,
+    Auto, Boris, Boris8, Combination, DormandPrince5, DormandPrince8, DriftKickDrift, ExplicitEuler, GaussRadau15,
     HigueraCary, Integrator, Leapfrog, Midpoint, Part, Register, Respa, RungeKutta4, SemiImplicitEuler, Structure,
     Symplectic4, Symplectic6, Symplectic8, System, Tolerance,
 };

@@ -23,6 +23,12 @@ pub struct NamedIntegrator {
 /// All integrators.
 pub const INTEGRATORS: &[NamedIntegrator] = &[
     NamedIntegrator {
+        name: AUTO,
+        about: "what the structure of the laws suggests: gauss_radau_15 mostly, respa or leapfrog with `every`",
+        options: &[],
+        make: |_| Box::new(Auto::default()),
+    },
+    NamedIntegrator {
         name: "explicit_euler",
         about: "order 1, one evaluation per step; a yardstick",
         options: &[],
@@ -163,6 +169,14 @@ pub fn help(name: &str) -> Option<String> {
     }
 }
 
+/// The one that is another one.
+pub const AUTO: &str = "auto";
+
+/// All but the one that is another one.
+pub fn methods() -> impl Iterator<Item = &'static NamedIntegrator> {
+    INTEGRATORS.iter().filter(|known| known.name != AUTO)
+}
+
 /// The one that scenes get which name none.
 pub const DEFAULT: &str = "leapfrog";
 
@@ -182,7 +196,7 @@ mod tests {
 
     #[test]
     fn each_has_its_own_name() {
-        for known in INTEGRATORS {
+        for known in methods() {
             assert_eq!((known.make)(&|_, usual| usual).name(), known.name);
         }
         assert!(integrator(DEFAULT).is_some());

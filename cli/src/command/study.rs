@@ -10,7 +10,7 @@ use vesper::prelude::*;
 use super::arguments::Study;
 use super::{Exit, complain, say, stop_on_interrupt};
 use crate::assemble;
-use crate::assemble::integrators::{self, INTEGRATORS, NamedIntegrator};
+use crate::assemble::integrators::{self, NamedIntegrator};
 use crate::fault::SceneFault;
 use crate::output::json;
 use crate::scene::{Precision as Numbers, Scene};
@@ -231,7 +231,7 @@ fn grid(arguments: &Study) -> Result<Grid, Vec<SceneFault>> {
         list.iter().filter_map(|name| known(name).map_err(|fault| faults.push(fault)).ok()).collect()
     };
     let integrators = match &arguments.integrators[..] {
-        [] => INTEGRATORS.iter().collect(),
+        [] => integrators::methods().collect(),
         list => asked(list),
     };
     let precisions = words("--precisions", &arguments.precisions, &[("f32", Numbers::F32), ("f64", Numbers::F64)]);

@@ -13,7 +13,7 @@ use vesper::prelude::*;
 
 use super::measure::{Method, Patience, Run, Setting, answer, measure};
 use super::problem::Problem;
-use crate::assemble::integrators::{INTEGRATORS, NamedIntegrator, integrator};
+use crate::assemble::integrators::{NamedIntegrator, integrator, methods};
 use crate::scene::Precision as Numbers;
 
 /// What is asked for.
@@ -39,7 +39,7 @@ impl Grid {
     /// All integrators, in f64, where the laws run by themselves; no run of more than `limit` s.
     pub fn of_all(patience: Patience) -> Self {
         Grid {
-            integrators: INTEGRATORS.iter().collect(),
+            integrators: methods().collect(),
             steps: None,
             tolerances: None,
             numbers: vec![Numbers::F64],

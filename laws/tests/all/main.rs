@@ -4,6 +4,7 @@ mod adaptive;
 mod backends;
 mod cases;
 mod catalog;
+mod choice;
 mod conservation;
 mod jumps;
 mod macros;

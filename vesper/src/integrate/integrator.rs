@@ -29,6 +29,8 @@ pub struct Structure {
     pub jumps: Vec<String>,
     /// A law that is not evaluated on every step, where there is one.
     pub every: Option<String>,
+    /// A law that corrects the state after each step, where there is one.
+    pub amends: Option<String>,
 }
 
 impl Structure {
@@ -124,6 +126,10 @@ pub trait Integrator: Send {
     }
     /// Whether it asks for what turns momenta apart from their other rates.
     fn rotates(&self) -> bool {
+        false
+    }
+    /// Makes itself fit for the laws, when an engine is built. Whether it is another one now.
+    fn suit(&mut self, _structure: &Structure) -> bool {
         false
     }
     /// Refuses laws that it cannot integrate.

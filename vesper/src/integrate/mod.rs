@@ -15,12 +15,14 @@
 //! | [`Boris`], [`HigueraCary`] | 2 | 1 | charges in magnetic fields, long runs |
 //! | [`Boris8`] | 8 | 17 | the same, high accuracy |
 //! | [`DormandPrince5`], [`DormandPrince8`] | 5, 8, adaptive | 6, 12 | a tolerance, any laws |
+//! | [`Auto`] | | | what the structure of the laws suggests |
 //! | [`GaussRadau15`] | 15, adaptive | 7 a round | all digits |
 //!
 //! A step ends where a law's switch turns or a row leaves a region of a field: adaptive integrators ask for it
 //! ([`System::turned`]), and the engine cuts the steps of all others, so that each keeps its order.
 
 mod adaptive;
+mod auto;
 mod boris;
 mod boris_8;
 mod dormand_prince_5;
@@ -46,6 +48,7 @@ mod system;
 
 pub use crate::law::Part;
 pub use adaptive::Tolerance;
+pub use auto::Auto;
 pub use boris::Boris;
 pub use boris_8::Boris8;
 pub use dormand_prince_5::DormandPrince5;

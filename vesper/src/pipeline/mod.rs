@@ -293,6 +293,9 @@ fn structure<P: Scalar>(
                 _ => {}
             }
         }
+        if crate::graph::amends(&entry.signature) && structure.amends.is_none() {
+            structure.amends = Some(entry.label().to_owned());
+        }
         if entry.options.every > 1 && structure.every.is_none() {
             structure.every = Some(entry.label().to_owned());
         }
