@@ -154,3 +154,17 @@ fn a_year_of_planets_beside_jpl() {
     assert!((earth["distance"].as_f64().unwrap() - 156.3).abs() < 1.0, "{earth}");
     assert!((earth["distance_without"].as_f64().unwrap() - 51_021.0).abs() < 5.0, "{earth}");
 }
+
+#[test]
+fn fifty_years_of_planets_beside_jpl() {
+    let value = run("solar-system-50-years", &[]);
+    let rows = value["compare"].as_array().unwrap();
+    let last = |name: &str| {
+        let row = rows.iter().rfind(|row| row["name"] == name).unwrap_or_else(|| panic!("{name}: {rows:?}"));
+        assert_eq!(row["date"], 2_458_694.5, "{row}");
+        ["distance", "distance_without"].map(|key| row[key].as_f64().unwrap() / 1000.0)
+    };
+    let ([mercury, without], [venus, _]) = (last("Mercury"), last("Venus"));
+    assert!(mercury < 30.0 && venus < 20.0, "{mercury} km, {venus} km");
+    assert!((without - 13_923.0).abs() < 5.0, "{without} km");
+}

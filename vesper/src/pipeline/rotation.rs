@@ -2,8 +2,8 @@
 //! Never: a law.
 //!
 //! The magnitude stays the same over any number of turns: what rounding makes of the factors is the same in every step of
-//! a uniform field, and would add up. So the increment is taken off by what it changes the square of the magnitude,
-//! which is known to its own rounding: 2 p . d + d . d.
+//! a uniform field, and would add up. So the increment is taken off by what it changes the square of the magnitude: (2 p +
+//! d) . d, summed without rounding, since what a plain sum makes of it is the same again and again, too.
 
 use super::plan::Key;
 use super::run::Runner;
@@ -11,7 +11,7 @@ use super::turning::Turning;
 use super::vectors::{StateProperty, Vectors};
 use crate::integrate::{Register, Rotation, System};
 use crate::law::Part;
-use crate::real::{Isa, Lanes, Scalar, Vector, WithLanes};
+use crate::real::{Isa, Lanes, Real, Scalar, Vector, WithLanes};
 
 /// Rounds of the rotation by the velocity of the mean momentum. Each is nearer by (omega h / 2)^2 beta^2, or better.
 const ROUNDS: usize = 60;
@@ -203,7 +203,7 @@ impl<P: Scalar> Turn<P> {
         };
         let rate = turn * scale;
         let time = R::splat(self.time);
-        let mut change = if self.exact {
+        let change = if self.exact {
             let square = rate.length_squared();
             let still = square.equal(zero);
             // Without a rate any direction will do: the momentum is turned by no angle.
@@ -218,9 +218,10 @@ impl<P: Scalar> Turn<P> {
             middle.cross(tangent) * (two / (one + tangent.length_squared()))
         };
         let square = before.length_squared();
-        let excess = change.dot(before * two + change);
+        let excess = excess::<P, R>(before, change);
         let part = R::select(square.equal(zero), zero, excess / (square * two));
-        change = change - (before + change) * part;
+        // Less than half of the last digit of the increment: kept beside it, or it would be lost.
+        let rest = (before + change) * -part;
         let mut most = zero;
         let places = self.momentum.map(|start| start.wrapping_add(row * self.strides[0]));
         let parts = |v: R::Vec3| [v.x(), v.y(), v.z()];
@@ -232,21 +233,19 @@ impl<P: Scalar> Turn<P> {
                 unsafe { number.store(to) };
             }
         } else {
-            for (component, (to, (from, change))) in
-                places.into_iter().zip(parts(before).into_iter().zip(parts(change))).enumerate()
-            {
+            let [before, change, rest] = [before, change, rest].map(parts);
+            for (component, to) in places.into_iter().enumerate() {
+                let [end, off] = sum_of(before[component], change[component]);
+                let error = self.errors.map(|errors| errors[component].wrapping_add(row));
                 // SAFETY: passed on to the caller.
                 unsafe {
-                    match self.errors {
-                        None => (from + change).store(to),
-                        Some(errors) => {
-                            let error = errors[component].add(row);
-                            let change = change - R::load(error);
-                            let after = from + change;
-                            ((after - from) - change).store(error);
-                            after.store(to);
-                        }
+                    let kept = error.map_or(zero, |error| R::load(error));
+                    let rest = off + (rest[component] - kept);
+                    let after = end + rest;
+                    if let Some(error) = error {
+                        ((after - end) - rest).store(error);
                     }
+                    after.store(to);
                 }
             }
         }
@@ -275,6 +274,42 @@ impl<P: Scalar> Turn<P> {
         let size = full.length() + kick.length() + turned.length() * turn.length();
         error <= size * P::from_f64(P::EPSILON.sqrt()) || !size.is_finite()
     }
+}
+
+/// a + b, and what its rounding takes off (Knuth, The Art of Computer Programming, vol. 2, 4.2.2, theorem B).
+#[inline(always)]
+fn sum_of<R: Real>(a: R, b: R) -> [R; 2] {
+    let sum = a + b;
+    let part = sum - a;
+    [sum, (a - (sum - part)) + (b - part)]
+}
+
+/// a b, and what its rounding takes off (Dekker, Numer. Math. 18 (1971) 224).
+#[inline(always)]
+fn product_of<P: Scalar, R: Real>(a: R, b: R) -> [R; 2] {
+    // 1 + 2^ceil(digits / 2).
+    let splitter = R::lit(if P::EPSILON < 1e-10 { 134_217_729.0 } else { 4097.0 });
+    let halves = |number: R| {
+        let scaled = number * splitter;
+        let high = scaled - (scaled - number);
+        [high, number - high]
+    };
+    let (product, [a, b]) = (a * b, [halves(a), halves(b)]);
+    [product, ((a[0] * b[0] - product) + a[0] * b[1] + a[1] * b[0]) + a[1] * b[1]]
+}
+
+/// (2 p + d) . d, to its own last digit.
+#[inline(always)]
+fn excess<P: Scalar, R: Real>(before: R::Vec3, change: R::Vec3) -> R {
+    let pairs = [(before.x(), change.x()), (before.y(), change.y()), (before.z(), change.z())];
+    let mut total = [R::lit(0.0); 2];
+    for (before, change) in pairs {
+        let [both, rest] = sum_of(before + before, change);
+        let [product, low] = product_of::<P, R>(both, change);
+        let [sum, off] = sum_of(total[0], product);
+        total = [sum, total[1] + (off + low + rest * change)];
+    }
+    total[0] + total[1]
 }
 
 impl<P: Scalar> WithLanes<P> for Turn<P> {
