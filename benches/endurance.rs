@@ -61,9 +61,13 @@ fn gyrations(page: &mut Page, part: f64) {
     page.line("| integrator | omega h | compensated | steps | energy | walk | ns per step |");
     page.line("|---|---|---|---|---|---|---|");
     let problem = Cyclotron::default();
-    for (name, step, compensated) in
-        [("boris", 0.1, false), ("boris", 0.5, false), ("boris", 0.5, true), ("boris_8", 2.0, false)]
-    {
+    for (name, step, compensated) in [
+        ("boris", 0.1, false),
+        ("boris", 0.1, true),
+        ("boris", 0.5, false),
+        ("boris", 0.5, true),
+        ("boris_8", 2.0, false),
+    ] {
         let count = (turns * core::f64::consts::TAU / step).round() as u64;
         let made = (integrator(name).expect("it is known").make)(&|_, usual| usual);
         let builder = problem.setup(Engine::<f64>::builder()).boxed_integrator(made).step(step);
@@ -92,8 +96,9 @@ impl<R: Real> RowLaw<R> for Pull {
     }
 }
 
-/// Steps of a period: enough that the method itself is off by no more than 2e-5 after a million.
-const PER_PERIOD: u32 = 32;
+/// Steps of a period: enough that the method itself is off by no more than 2e-5 after a million. No whole number: roundings
+/// that come again after each period hold the phase fast.
+const PER_PERIOD: f64 = 31.7;
 
 /// One mass on a spring.
 fn oscillations(page: &mut Page, part: f64) {
@@ -107,23 +112,22 @@ fn oscillations(page: &mut Page, part: f64) {
     for compensated in [false, true] {
         oscillate::<f32>(page, periods, compensated);
     }
-    for compensated in [false, true] {
-        oscillate::<f64>(page, periods, compensated);
-    }
+    oscillate::<f64>(page, periods, false);
     page.line("");
 }
 
 fn oscillate<P: Precision>(page: &mut Page, periods: f64, compensated: bool) {
-    let step = core::f64::consts::TAU / f64::from(PER_PERIOD);
+    let step = core::f64::consts::TAU / PER_PERIOD;
     let bodies = Domain::new("bodies").with(Position, [[1.0, 0.0, 0.0]]).with(Velocity, [[0.0; 3]]).with(Mass, [1.0]);
     let builder = Engine::<P>::builder().domain(bodies).law(Pull).law(Motion).integrator(Symplectic8::default());
     let builder = builder.step(step);
     let mut engine = if compensated { builder.compensated() } else { builder }.build().expect("it fits");
     let begin = Instant::now();
-    steps(&mut engine, periods as u64 * u64::from(PER_PERIOD), step);
+    steps(&mut engine, (periods * PER_PERIOD).round() as u64, step);
     let seconds = begin.elapsed().as_secs_f64();
     let at = |property: PropertyInfo| engine.state().numbers("bodies", property).expect("it is there")[0];
-    let error = f64::max((at(Position::INFO) - 1.0).abs(), at(Velocity::INFO).abs());
+    let (sine, cosine) = engine.time().sin_cos();
+    let error = f64::max((at(Position::INFO) - cosine).abs(), (at(Velocity::INFO) + sine).abs());
     let kept = if compensated { "yes" } else { "no" };
     page.line(&format!("| {} | {kept} | {error:.0e} | {seconds:.1} |", P::NAME));
 }

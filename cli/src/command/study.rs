@@ -15,14 +15,21 @@ use crate::fault::SceneFault;
 use crate::output::json;
 use crate::scene::{Precision as Numbers, Scene};
 use crate::study::{
-    Budget, Findings, Grid, Keeper, Method, Patience, Problem, Refusal, Run, choice, diagram, read, table,
+    Attribution, Budget, Findings, Grid, Keeper, Method, Patience, Problem, Refusal, Run, choice, diagram, makers,
+    read, shares, table,
 };
 
 /// The files of a study in its folder.
 const JSON: &str = "study.json";
 const CSV: &str = "study.csv";
+const LAWS: &str = "laws.json";
+/// How much longer a run may take that tells what a law does.
+const LAWS_PATIENCE: f64 = 30.0;
 
 pub(super) fn study(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
+    if arguments.laws {
+        return laws(arguments);
+    }
     let mut faults = Vec::new();
     let problems = problems(arguments).map_err(|more| faults.extend(more)).ok();
     let grid = grid(arguments).map_err(|more| faults.extend(more)).ok();
@@ -80,6 +87,54 @@ pub(super) fn study(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
         return Ok(Exit::Interrupted);
     }
     Ok(said)
+}
+
+/// `--laws`: what each law of a scene does.
+fn laws(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
+    let mut faults = Vec::new();
+    let problems = problems(arguments).map_err(|more| faults.extend(more)).ok();
+    let grid = grid(arguments).map_err(|more| faults.extend(more)).ok();
+    let budget = budget(arguments).map_err(|more| faults.extend(more)).ok().flatten();
+    let (Some(problems), Some(grid), true) = (problems, grid, faults.is_empty()) else { return Err(faults) };
+    let [problem] = &problems[..] else {
+        return Err(vec![wrong(
+            &arguments.file.display().to_string(),
+            "--laws is for scenes: cases have no laws to drop",
+        )]);
+    };
+    let Some(scene) = problem.scene() else {
+        return Err(vec![wrong(
+            &arguments.file.display().to_string(),
+            "--laws is for scenes: cases have no laws to drop",
+        )]);
+    };
+    let bar = bar(arguments.quiet, scene.laws.len() as u64 + 2);
+    // A law may leave a motion that is harder to follow.
+    let patience = Patience { limit: LAWS_PATIENCE * grid.patience.limit, ..grid.patience.clone() };
+    let found = Attribution::of(problem, &makers(), &patience, |law| {
+        bar.inc(1);
+        bar.set_message(law.to_owned());
+    });
+    bar.finish_and_clear();
+    let found = match found {
+        Ok(found) => found,
+        Err(_) if patience.stop.load(Ordering::Relaxed) => return Ok(Exit::Interrupted),
+        Err(reason) => return Err(vec![wrong(&problem.id, reason)]),
+    };
+    let error = budget.map(|budget| budget.error);
+    let json = json::text(&found.to_json(error));
+    if let Some(out) = &arguments.out {
+        let path = out.join(LAWS);
+        let written = std::fs::create_dir_all(out).and_then(|()| std::fs::write(&path, &json));
+        if let Err(error) = written {
+            return Err(vec![wrong(&path.display().to_string(), format!("cannot be written: {error}"))]);
+        }
+    }
+    Ok(match (arguments.json, arguments.quiet) {
+        (true, _) => say(&json),
+        (false, true) => Exit::Done,
+        (false, false) => say(&shares(&found, error)),
+    })
 }
 
 fn bar(quiet: bool, steps: u64) -> ProgressBar {

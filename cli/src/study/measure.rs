@@ -116,6 +116,21 @@ impl Method {
         if self.compensated { builder.compensated() } else { builder }
     }
 
+    /// Where a problem ends, and the time of one evaluation of its laws, in s.
+    pub(super) fn end(&self, problem: &Problem, patience: &Patience) -> Result<(Moment, f64), String> {
+        let went = self.go(problem, patience, false)?;
+        let mut each = went.wall / went.evaluations.max(1) as f64;
+        if went.wall < SHORT[0].0 {
+            for _ in 1..SHORT[0].1 {
+                each = each.min(self.go(problem, patience, false)?.wall / went.evaluations.max(1) as f64);
+            }
+        }
+        match (went.broke, went.moments.into_iter().next_back()) {
+            (None, Some(end)) => Ok((end, each)),
+            (broke, _) => Err(broke.unwrap_or_else(|| "it does not come to the end".to_owned())),
+        }
+    }
+
     /// Goes through a problem once; `looks`: whether at what should be kept.
     fn go(&self, problem: &Problem, patience: &Patience, looks: bool) -> Result<Went, String> {
         match self.numbers {

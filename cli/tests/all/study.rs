@@ -131,3 +131,38 @@ fn mistakes_are_told_all_at_once_and_nothing_runs() {
     let expected = "--of bodies.mass: the scene does not show it; it shows bodies.position, bodies.velocity";
     assert!(done.status == 2 && done.stderr.contains(expected), "{}", done.stderr);
 }
+
+#[test]
+fn each_law_is_switched_off_in_turn() {
+    let folder = Scratch::new("study-laws");
+    let scene = folder.write(
+        "damped.toml",
+        &SPRING.replace("[[laws]]", "").replace("name = \"motion\"", "").replace(
+            "name = \"spring\"",
+            r#"
+[constants]
+gravity = [0, 0, -1e-9]
+[[laws]]
+name = "motion"
+[[laws]]
+name = "spring"
+[[laws]]
+name = "uniform_gravity"
+"#,
+        ),
+    );
+    let told = done(["study", &scene, "--laws", "--of", "bodies.position", "--json"]).json();
+    let law = |name: &str| told["laws"].as_array().unwrap().iter().find(|law| law["law"] == name).unwrap().clone();
+    assert_eq!(law("motion")["verdict"], "stays");
+    // Without the spring both fly on at the speeds that they have: the lighter one is 0.2 m on its way, after 2 s.
+    let spring = law("spring");
+    assert!(spring["verdict"] == "needed" && spring["change"].as_f64().unwrap() > 0.1, "{spring}");
+    // g t^2 / 2, which is less than the error of leapfrog with the scene's step.
+    let gravity = law("uniform_gravity");
+    assert!((gravity["change"].as_f64().unwrap() / 2e-9 - 1.0).abs() < 1e-3, "{gravity}");
+    assert!(gravity["verdict"] == "below_step" && gravity["unit"] == "m", "{gravity}");
+    let words = done(["study", &scene, "--laws", "--of", "bodies.position", "--error", "1e-10"]).stdout;
+    assert!(words.contains("2 nm of row") && words.contains("needed"), "{words}");
+    let words = done(["study", &scene, "--laws", "--of", "bodies.position", "--error", "1e-6"]).stdout;
+    assert!(words.contains("can be dropped: less than 1e-6"), "{words}");
+}
