@@ -16,7 +16,7 @@ use crate::output::json;
 use crate::scene::{Precision as Numbers, Scene};
 use crate::study::{
     Attribution, Budget, Findings, Grid, Keeper, Method, Patience, Problem, Refusal, Run, choice, diagram, makers,
-    read, shares, table,
+    read, shares, table, written,
 };
 
 /// The files of a study in its folder.
@@ -65,12 +65,16 @@ pub(super) fn study(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
     }
     log.save();
     log.bar.finish_and_clear();
+    let changed = match (&budget, &problems[..]) {
+        (Some(budget), [problem]) if arguments.write => write(&arguments.file, problem, budget, &log.findings)?,
+        _ => String::new(),
+    };
     let text = match &budget {
         _ if arguments.json => json::text(&log.findings.to_json_and(budget.as_ref(), &problems)),
         None => table(&log.findings),
         Some(budget) => {
             let choices: Vec<String> = problems.iter().map(|problem| choice(&log.findings, problem, budget)).collect();
-            format!("{}\n{}", table(&log.findings), choices.concat())
+            format!("{}\n{}{changed}", table(&log.findings), choices.concat())
         }
     };
     let said = if arguments.quiet && !arguments.json { Exit::Done } else { say(&text) };
@@ -87,6 +91,21 @@ pub(super) fn study(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
         return Ok(Exit::Interrupted);
     }
     Ok(said)
+}
+
+/// `--write`: puts the choice into the scene; what it says of it.
+fn write(path: &Path, problem: &Problem, budget: &Budget, findings: &Findings) -> Result<String, Vec<SceneFault>> {
+    let file = path.display().to_string();
+    let Some(run) = budget.choice(problem, findings) else {
+        return Ok(format!("{file} is left as it is\n"));
+    };
+    let text = std::fs::read_to_string(path).map_err(|error| vec![wrong(&file, format!("cannot be read: {error}"))])?;
+    let (text, lines) = written(&text, problem, run).map_err(|why| vec![wrong(&file, why)])?;
+    // The whole file or nothing of it.
+    let begun = path.with_extension("toml.part");
+    let done = std::fs::write(&begun, text).and_then(|()| std::fs::rename(&begun, path));
+    done.map_err(|error| vec![wrong(&file, format!("cannot be written: {error}"))])?;
+    Ok(format!("  written into {file}:\n    {}\n", lines.join("\n    ")))
 }
 
 /// `--laws`: what each law of a scene does.
@@ -238,6 +257,7 @@ fn problems(arguments: &Study) -> Result<Vec<Problem>, Vec<SceneFault>> {
         ("--strict", arguments.changes.strict),
         ("--threads", arguments.changes.threads.is_some()),
         ("--of", !arguments.of.is_empty()),
+        ("--write", arguments.write),
     ];
     let mut faults: Vec<SceneFault> = scene_options
         .into_iter()

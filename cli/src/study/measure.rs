@@ -105,12 +105,21 @@ impl Method {
         }
     }
 
+    /// The options that the integrator is given; `least_scale`: of what is compared.
+    pub(super) fn options(&self, least_scale: f64) -> Vec<(&'static str, f64)> {
+        let Setting::Tolerance(tolerance) = self.setting else { return Vec::new() };
+        let given = self.integrator.options.iter().enumerate().filter_map(|(number, option)| match *option {
+            option if number == 0 => Some((option, tolerance)),
+            "atol" => Some(("atol", tolerance * AT_REST * least_scale)),
+            _ => None,
+        });
+        given.collect()
+    }
+
     fn configure<P: CatalogPrecision>(&self, builder: Builder<P>, least_scale: f64) -> Builder<P> {
-        let first = self.integrator.options.first();
-        let option = |name: &str, usual: f64| match self.setting {
-            Setting::Tolerance(tolerance) if first == Some(&name) => tolerance,
-            Setting::Tolerance(tolerance) if name == "atol" => tolerance * AT_REST * least_scale,
-            _ => usual,
+        let options = self.options(least_scale);
+        let option = |name: &str, usual: f64| {
+            options.iter().find(|(option, _)| *option == name).map_or(usual, |(_, value)| *value)
         };
         let builder = builder.boxed_integrator((self.integrator.make)(&option)).backend(self.backend);
         if self.compensated { builder.compensated() } else { builder }
@@ -140,9 +149,7 @@ impl Method {
     }
 
     fn go_as<P: CatalogPrecision>(&self, problem: &Problem, patience: &Patience, looks: bool) -> Result<Went, String> {
-        let scales = problem.answer.as_ref().map_or(&[][..], |answer| &answer.scales);
-        let least_scale = scales.iter().copied().reduce(f64::min).unwrap_or(0.0);
-        let mut engine = problem.engine::<P>(|builder| self.configure(builder, least_scale))?;
+        let mut engine = problem.engine::<P>(|builder| self.configure(builder, problem.least_scale()))?;
         let stop = Arc::new(AtomicBool::new(false));
         engine.stop_on(Some(stop.clone()));
         let mut went = Went {
@@ -203,9 +210,14 @@ impl Method {
     }
 }
 
+/// How many steps of at most this length there are in a way.
+pub(super) fn whole(way: f64, step: f64) -> f64 {
+    (way / step - 1e-9).ceil().max(1.0)
+}
+
 /// Steps of one length, a whole number of them to the end of the way; in pieces, so that somebody can stop it.
 fn fixed<P: CatalogPrecision>(engine: &mut Engine<P>, way: f64, step: f64, stop: &AtomicBool) -> Result<(), Faults> {
-    let count = (way / step - 1e-9).ceil().max(1.0);
+    let count = whole(way, step);
     let (mut left, length) = (count as u64, way / count);
     let mut piece = 16;
     while left > 0 && !stop.load(Ordering::Relaxed) {

@@ -5,7 +5,7 @@
 //!
 //! The way of the data: [`case`](Case) reads cases, `setup` makes laws and rows of one; a [`Problem`] is such a case or a
 //! scene; [`measure()`] runs it by a [`Method`]; a [`Grid`] says which methods, and where to stop; [`Findings`] holds what
-//! came of it; `table` and `diagram` show it; a [`Budget`] chooses from it. An [`Attribution`] switches off one law after the other.
+//! came of it; `table` and `diagram` show it; a [`Budget`] chooses from it, and [`written()`] puts the choice into its scene. An [`Attribution`] switches off one law after the other.
 
 mod attribution;
 mod budget;
@@ -18,6 +18,7 @@ mod problem;
 mod setup;
 mod shares;
 mod table;
+mod write;
 
 pub use attribution::{Attribution, Finding, Share, Verdict};
 pub use budget::Budget;
@@ -30,3 +31,4 @@ pub use problem::{Answer, Moment, Problem};
 pub use setup::builder;
 pub use shares::shares;
 pub use table::{choice, table};
+pub use write::written;

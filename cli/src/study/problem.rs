@@ -149,6 +149,18 @@ impl Problem {
         self
     }
 
+    /// The least of what errors are measured by; 0 where there is no answer.
+    pub(super) fn least_scale(&self) -> f64 {
+        let scales = self.answer.as_ref().map_or(&[][..], |answer| &answer.scales);
+        scales.iter().copied().reduce(f64::min).unwrap_or(0.0)
+    }
+
+    /// The step, in s, that a run with steps of at most this length takes on the way to the first comparison.
+    pub(super) fn whole_step(&self, step: f64) -> f64 {
+        let way = self.times.first().map_or(step, |first| first - self.start);
+        way / super::measure::whole(way, step)
+    }
+
     /// The same problem with a law switched off.
     #[must_use]
     pub fn without_law(&self, label: &str) -> Self {

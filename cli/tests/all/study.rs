@@ -166,3 +166,32 @@ name = "uniform_gravity"
     let words = done(["study", &scene, "--laws", "--of", "bodies.position", "--error", "1e-6"]).stdout;
     assert!(words.contains("can be dropped: less than 1e-6"), "{words}");
 }
+
+#[test]
+fn a_choice_is_written_into_its_scene_which_then_meets_the_error() {
+    let folder = Scratch::new("study-write");
+    let commented = SPRING.replace("step = 0.01", "step = 0.01   # as it was").replace("[engine]", "# how\n[engine]");
+    for (asked, key) in
+        [("symplectic_6", "integrator = \"symplectic_6\""), ("dormand_prince_8", "{ name = \"dormand_prince_8\"")]
+    {
+        let scene = folder.write("spring.toml", &commented);
+        let study = ["study", &scene, "--integrators", asked, "--limit", "0.05", "--error", "1e-7", "--write"];
+        let words = done(study).stdout;
+        assert!(words.contains("written into") && words.contains(key), "{words}");
+        let text = folder.read("spring.toml");
+        assert!(text.contains(key) && text.contains("# as it was") && text.contains("# how\n[engine]"), "{text}");
+        let position = |more: &[&str]| -> Vec<f64> {
+            let told = done(["run", &scene, "--json"].iter().chain(more)).json();
+            let rows = told["domains"]["bodies"]["position"].as_array().unwrap().clone();
+            rows.iter().flat_map(|row| row.as_array().unwrap().iter().map(|x| x.as_f64().unwrap())).collect()
+        };
+        let (chosen, exact) = (position(&[]), position(&["--integrator", "gauss_radau_15"]));
+        let off = chosen.iter().zip(&exact).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-7 && off > 0.0, "{asked}: {off:e}");
+    }
+    // Nothing meets it: nothing is changed.
+    let scene = folder.write("spring.toml", &commented);
+    let study = ["study", &scene, "--integrators", "leapfrog", "--limit", "0.05", "--error", "1e-30", "--write"];
+    assert!(done(study).stdout.contains("is left as it is"));
+    assert_eq!(folder.read("spring.toml"), commented);
+}
