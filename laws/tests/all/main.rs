@@ -5,6 +5,8 @@ mod backends;
 mod cases;
 mod catalog;
 mod conservation;
+mod derivatives;
+mod implicit;
 mod jumps;
 mod macros;
 mod orders;

@@ -36,7 +36,7 @@ impl Structure {
     pub fn without_every(&self, integrator: &str) -> Result<(), Fault> {
         let Some(law) = &self.every else { return Ok(()) };
         let found = format!("{law} is evaluated on some steps only");
-        let mend = "leave out its `every`, or take an integrator of fixed steps";
+        let mend = "leave out its `every`, or take an explicit integrator of fixed steps";
         Err(Structure::refused(integrator, "every law to be evaluated whenever it asks", found, mend))
     }
 
@@ -90,6 +90,10 @@ pub trait Integrator: Send {
     fn set_first_step(&mut self, _step: f64) {}
     /// Whether the rounding errors of the state are to be kept and added back, whatever the builder says.
     fn compensates(&self) -> bool {
+        false
+    }
+    /// Whether it asks how the rates change ([`super::Linearised::derivative`]): only then is a program made for that.
+    fn needs_derivatives(&self) -> bool {
         false
     }
     /// Refuses laws that it cannot integrate.

@@ -13,6 +13,7 @@
 //! | [`Symplectic4`], [`Symplectic6`], [`Symplectic8`] | 4, 6, 8 | 6, 10 or 11, 17 | long runs, high accuracy |
 //! | [`DormandPrince5`], [`DormandPrince8`] | 5, 8, adaptive | 6, 12 | a tolerance, any laws |
 //! | [`GaussRadau15`] | 15, adaptive | 7 a round | all digits |
+//! | [`ImplicitEuler`], [`ImplicitMidpoint`] | 1, 2 | 2 to 5, and derivatives | stiff laws |
 //!
 //! A step ends where a law's switch turns or a row leaves a region of a field: adaptive integrators ask for it
 //! ([`System::turned`]), and the engine cuts the steps of all others, so that each keeps its order.
@@ -24,10 +25,15 @@ mod drift_kick_drift;
 mod explicit_euler;
 mod gauss_radau_15;
 mod gauss_radau_table;
+mod implicit_euler;
+mod implicit_midpoint;
 mod integrator;
 mod jump;
+mod krylov;
 mod leapfrog;
+mod linearised;
 mod midpoint;
+mod newton_krylov;
 mod runge_kutta;
 mod runge_kutta_4;
 mod semi_implicit_euler;
@@ -44,9 +50,12 @@ pub use dormand_prince_8::DormandPrince8;
 pub use drift_kick_drift::DriftKickDrift;
 pub use explicit_euler::ExplicitEuler;
 pub use gauss_radau_15::GaussRadau15;
+pub use implicit_euler::ImplicitEuler;
+pub use implicit_midpoint::ImplicitMidpoint;
 pub use integrator::{Integrator, Structure};
 pub(crate) use jump::{Again, split};
 pub use leapfrog::Leapfrog;
+pub use linearised::Linearised;
 pub use midpoint::Midpoint;
 pub use runge_kutta_4::RungeKutta4;
 pub use semi_implicit_euler::SemiImplicitEuler;

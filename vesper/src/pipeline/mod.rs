@@ -14,10 +14,12 @@ mod dot;
 mod explain;
 mod group;
 mod linear;
+mod linearised;
 mod merge;
 mod plan;
 mod run;
 mod switches;
+mod tangent;
 mod vectors;
 
 pub(crate) use bind::{Program, program};
@@ -25,6 +27,7 @@ pub(crate) use chain::FusedChain;
 pub use chain::{Chain, ChainPart, Chained, Layout, List, Registers};
 pub(crate) use plan::Key;
 pub(crate) use run::{Runner, Watch};
+pub(crate) use tangent::Tangent;
 pub(crate) use vectors::{Vectors, lent_columns};
 
 use crate::backend::Compiled;
@@ -87,6 +90,8 @@ pub(crate) struct Pipeline<P: Scalar> {
     pub(crate) observed: Vec<QuantityId>,
     pub(crate) programs: Vec<Program<P>>,
     pub(crate) vectors: Vectors<P>,
+    /// Of derivatives, for integrators that ask for them.
+    pub(crate) tangent: Option<Box<Tangent<P>>>,
     /// What steps end at.
     pub(crate) switches: Switches<P>,
     /// The layout of the state that the programs' pointers were taken from.
@@ -140,6 +145,7 @@ impl<P: Scalar> Pipeline<P> {
             observed,
             programs: Vec::new(),
             vectors: Vectors::default(),
+            tangent: None,
             switches: Switches::default(),
             layout: state.layout(),
             idle: false,
@@ -166,6 +172,9 @@ impl<P: Scalar> Pipeline<P> {
         pipeline.vectors = Vectors::new(&pipeline, state, work, compensated || integrator.compensates());
         pipeline.programs =
             plans.into_iter().map(|plan| program(plan, laws, chains, &pipeline, state, machine)).collect();
+        if integrator.needs_derivatives() {
+            pipeline.tangent = Some(Box::new(Tangent::new(&pipeline, laws, state)));
+        }
         pipeline.layout = state.layout();
         pipeline.amends = !pipeline.programs[Key::Amend.index()].passes.is_empty();
         pipeline.observes = !pipeline.programs[Key::Observe.index()].passes.is_empty();

@@ -23,6 +23,8 @@ pub(crate) enum Key {
     Observe,
     /// The energies of all laws.
     Energy,
+    /// The derivatives of all rates along a direction, which have a program of their own (`tangent`).
+    Tangent,
 }
 
 impl Key {
@@ -39,7 +41,7 @@ impl Key {
         Key::Energy,
     ];
 
-    /// Where the key's program is among a pipeline's.
+    /// Where the key's program is among a pipeline's; that of derivatives stands behind them.
     pub(crate) fn index(self) -> usize {
         match self {
             Key::Evaluate(part) => part_index(part),
@@ -48,6 +50,7 @@ impl Key {
             Key::Amend => 7,
             Key::Observe => 8,
             Key::Energy => 9,
+            Key::Tangent => Key::ALL.len(),
         }
     }
 
@@ -56,7 +59,7 @@ impl Key {
         match self {
             Key::Evaluate(part) | Key::Advance(part) => vec![part],
             Key::KickDrift => vec![Part::Momenta, Part::Coordinates],
-            Key::Amend | Key::Observe | Key::Energy => vec![Part::All],
+            Key::Amend | Key::Observe | Key::Energy | Key::Tangent => vec![Part::All],
         }
     }
 }
@@ -164,8 +167,8 @@ pub(crate) fn plan<P: Scalar>(key: Key, pipeline: &Pipeline<P>) -> Plan {
             _ => passes.push(vec![op]),
         }
     }
-    // What is looked at begins from a plain zero.
-    if key != Key::Observe {
+    // What is looked at begins from a plain zero, and so do derivatives.
+    if !matches!(key, Key::Observe | Key::Tangent) {
         passes.iter_mut().for_each(|pass| super::merge::begin_with_laws(pass, pipeline));
     }
     Plan { key, passes }
@@ -187,7 +190,9 @@ impl<P: Scalar> Stage<'_, P> {
         let Pipeline { entries, registry, graph, observed, .. } = self.pipeline;
         let first = self.ops.len();
         let (targets, needs) = match self.key {
-            Key::Evaluate(_) | Key::Advance(_) | Key::KickDrift => graph.raters(self.part, entries, registry),
+            Key::Evaluate(_) | Key::Advance(_) | Key::KickDrift | Key::Tangent => {
+                graph.raters(self.part, entries, registry)
+            }
             Key::Amend => graph.amenders(entries, registry),
             Key::Observe => (Vec::new(), observed.clone()),
             Key::Energy => {
@@ -372,7 +377,8 @@ impl<P: Scalar> Stage<'_, P> {
         let (seat, entry) = self.seat(index);
         let registry = &self.pipeline.registry;
         let every = entry.options.every;
-        let held = every > 1 && !energy;
+        // A derivative is that of the law as it is, on whatever steps.
+        let held = every > 1 && !energy && self.key != Key::Tangent;
         let mask = wanted_inputs(&entry.signature, part);
         let mut operands = Vec::new();
         let mut writes = Vec::new();
