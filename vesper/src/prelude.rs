@@ -8,7 +8,7 @@ pub use crate::field::{Bottle, Boxes, Dipole, Field, FieldBox, Point, Points, Un
 pub use crate::integrate::{
     Combination, DormandPrince5, DormandPrince8, DriftKickDrift, ExplicitEuler, GaussRadau15, ImplicitEuler,
     ImplicitMidpoint, Integrator, Leapfrog, Linearised, Midpoint, Part, Register, RungeKutta4, SemiImplicitEuler,
-    Structure, Symplectic4, Symplectic6, Symplectic8, System, Tolerance,
+    StableLimits, StableStep, Structure, Symplectic4, Symplectic6, Symplectic8, System, Tolerance,
 };
 pub use crate::law::{ColumnLaw, DynLaw, Law, LinkLaw, PairLaw, RowLaw, Signature};
 pub use crate::pipeline;

@@ -12,4 +12,5 @@ mod macros;
 mod orders;
 mod precision;
 mod solar_system;
+mod stability;
 mod subset;

@@ -7,6 +7,7 @@ mod blow_up;
 mod build;
 mod checkpoint;
 mod lent;
+mod stable;
 
 pub use build::{Builder, Configure, Configured, Listing};
 pub use checkpoint::{Checkpoint, ColumnData, DomainData};

@@ -15,6 +15,9 @@
 //! | [`GaussRadau15`] | 15, adaptive | 7 a round | all digits |
 //! | [`ImplicitEuler`], [`ImplicitMidpoint`] | 1, 2 | 2 to 5, and derivatives | stiff laws |
 //!
+//! Explicit methods of fixed steps say where they are stable ([`Integrator::stable_limits`]); the laws' own derivatives say how
+//! long a step that allows ([`crate::engine::Engine::stable_step`]).
+//!
 //! A step ends where a law's switch turns or a row leaves a region of a field: adaptive integrators ask for it
 //! ([`System::turned`]), and the engine cuts the steps of all others, so that each keeps its order.
 
@@ -25,6 +28,7 @@ mod drift_kick_drift;
 mod explicit_euler;
 mod gauss_radau_15;
 mod gauss_radau_table;
+mod hessenberg;
 mod implicit_euler;
 mod implicit_midpoint;
 mod integrator;
@@ -38,6 +42,7 @@ mod runge_kutta;
 mod runge_kutta_4;
 mod semi_implicit_euler;
 mod splitting;
+mod stability;
 mod symplectic_4;
 mod symplectic_6;
 mod symplectic_8;
@@ -59,6 +64,8 @@ pub use linearised::Linearised;
 pub use midpoint::Midpoint;
 pub use runge_kutta_4::RungeKutta4;
 pub use semi_implicit_euler::SemiImplicitEuler;
+pub use stability::{StableLimits, StableStep};
+pub(crate) use stability::{stable_step, vectors as stable_vectors};
 pub use symplectic_4::Symplectic4;
 pub use symplectic_6::Symplectic6;
 pub use symplectic_8::Symplectic8;
