@@ -177,11 +177,12 @@ pub(super) unsafe fn pairs<P: Scalar, F: PairFamily>(law: &F, call: &TangentCall
         let source = Within::<_, F>::new(Row { slots, row, ends: 0, end: 0 });
         <F::Kernel<Dual<P>> as Declared<Dual<P>>>::load(&source)
     };
-    for i in 0..call.rows {
-        let row = load(i);
+    // Loaded once: each row meets all others.
+    let all: Vec<_> = (0..call.rows).map(load).collect();
+    for (i, row) in all.iter().enumerate() {
         let mut sums = Sums::<Dual<P>>::zero(first);
-        for j in (0..i).chain(i + 1..call.rows) {
-            <F::Kernel<Dual<P>> as Declared<Dual<P>>>::store(law.pair(row, load(j)), &mut sums);
+        for other in all[..i].iter().chain(&all[i + 1..]) {
+            <F::Kernel<Dual<P>> as Declared<Dual<P>>>::store(law.pair(*row, *other), &mut sums);
         }
         let mut sink = RowMut { slots, row: i };
         for (slot, sum) in (first..slots.len()).zip(sums.values) {

@@ -18,6 +18,7 @@ pub trait Linearised {
     /// The sum over this part of the products of numbers, in f64, each times the weight of its state; a weight for each state,
     /// in the order of [`super::System::magnitudes`]. Neither may be the state.
     fn dot(&self, a: Register, b: Register, part: Part, weights: &[f64]) -> f64;
-    /// Fills a vector with numbers that look random, always the same ones, between minus and plus the scale of their state.
+    /// Fills a vector with numbers that look random, always the same ones: of either sign, between half the scale of their state
+    /// and the whole of it.
     fn scatter(&mut self, to: Register, scales: &[f64]);
 }

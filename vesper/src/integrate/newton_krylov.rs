@@ -118,18 +118,20 @@ impl Solver<'_> {
         if self.weights.is_empty() { f64::NAN } else { self.norm(RESIDUAL) }
     }
 
-    /// Measures the states: their scales, and their largest numbers.
+    /// Measures the states by the first trial: sets their weights; gives the largest numbers that are rounded in a step.
     fn measure(&mut self) -> Vec<f64> {
-        let mut largest: Vec<[f64; 2]> = Vec::new();
-        self.system.magnitudes(&[START, Register::Rates], Part::All, &mut |state, of| {
-            largest.resize(largest.len().max(state + 1), [0.0; 2]);
-            let [number, rate] = &mut largest[state];
-            (*number, *rate) = (number.max(of[0]), rate.max(of[1]));
-        });
-        let scale = |[number, rate]: &[f64; 2]| number.max(rate * self.factor.abs());
+        let factor = self.factor.abs();
+        let mut largest: Vec<f64> = Vec::new();
+        let mut note = |state: usize, size: f64| {
+            largest.resize(largest.len().max(state + 1), 0.0);
+            largest[state] = largest[state].max(size);
+        };
+        self.system.magnitudes(&[START, INCREMENT], Part::All, &mut |state, of| note(state, of[0].max(of[1])));
+        // Rates of coordinates that follow are not evaluated: their increments are those rates already.
+        self.system.magnitudes(&[Register::Rates], self.unknown(), &mut |state, of| note(state, factor * of[0]));
         let weight = |scale: f64| if scale > 0.0 && scale.is_finite() { 1.0 / (scale * scale) } else { 1.0 };
-        self.weights = largest.iter().map(|state| weight(scale(state))).collect();
-        largest.into_iter().map(|[number, _]| number).collect()
+        self.weights = largest.iter().map(|scale| weight(*scale)).collect();
+        largest
     }
 
     /// `to = (1 - c J) of`, where `of` is of the unknown part, and coordinates follow.

@@ -75,7 +75,9 @@ impl<P: Scalar> Linearised for Runner<'_, P> {
         for (state, range) in ranges {
             for number in &mut numbers[range] {
                 seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                let random = (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
+                let part = 0.5 + 0.5 * (seed >> 11) as f64 / (1_u64 << 53) as f64;
+                // Another bit for the sign: from the lower half, but none of the lowest, which take turns.
+                let random = if seed >> 40 & 1 == 1 { part } else { -part };
                 *number = P::from_f64(random * scales[state]);
             }
         }
