@@ -296,8 +296,8 @@ fn momenta_of_relativity_are_solved_for_with_their_coordinates() {
         engine.steps_of((1.0 / step).round() as u64, step).unwrap();
         engine.state().get("bodies", Position, 0).unwrap()
     };
-    let exact = place(Box::new(Leapfrog::default()), 1e-5);
-    let [coarse, fine] = [0.02, 0.01].map(|step| (place(Box::new(ImplicitMidpoint::default()), step) - exact).length());
+    let exact = place(Box::<Leapfrog>::default(), 1e-5);
+    let [coarse, fine] = [0.02, 0.01].map(|step| (place(Box::<ImplicitMidpoint>::default(), step) - exact).length());
     assert!((coarse / fine).log2() > 1.9 && fine < 1e-3, "{coarse:e} {fine:e}");
 }
 

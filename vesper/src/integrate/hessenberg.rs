@@ -112,10 +112,9 @@ fn step(matrix: &mut [Vec<Complex>], rows: core::ops::Range<usize>, shift: Compl
         let size = a.size().hypot(b.size());
         let (c, s) = if size > 0.0 { (a.times(1.0 / size), b.times(1.0 / size)) } else { (Complex::real(1.0), b) };
         rotations.push((c, s));
-        for column in k..rows.end {
-            let (above, below) = (matrix[k][column], matrix[k + 1][column]);
-            matrix[k][column] = c.conjugate() * above + s.conjugate() * below;
-            matrix[k + 1][column] = c * below - s * above;
+        let [above, below] = &mut matrix[k..k + 2] else { continue };
+        for (above, below) in above[k..rows.end].iter_mut().zip(&mut below[k..rows.end]) {
+            (*above, *below) = (c.conjugate() * *above + s.conjugate() * *below, c * *below - s * *above);
         }
     }
     for (k, (c, s)) in (rows.start..).zip(rotations) {

@@ -9,7 +9,7 @@
 //!
 //! Source: Hairer, Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.3.
 
-use super::{Integrator, Structure, System, newton_krylov};
+use super::{Integrator, Structure, System, implicit};
 use crate::error::Fault;
 
 /// Implicit Euler: order 1, stable at any step.
@@ -29,7 +29,7 @@ impl Integrator for ImplicitEuler {
     }
 
     fn work_vectors(&self) -> usize {
-        newton_krylov::VECTORS
+        implicit::VECTORS
     }
 
     fn needs_derivatives(&self) -> bool {
@@ -42,7 +42,7 @@ impl Integrator for ImplicitEuler {
 
     fn step(&mut self, system: &mut dyn System, step: f64) -> Result<(), Fault> {
         let follows = *self.follows.get_or_insert_with(|| system.coordinates_follow_momenta());
-        newton_krylov::step((self.name(), follows), system, step, (1.0, 1.0))
+        implicit::step((self.name(), follows), system, step, (1.0, 1.0))
     }
 
     fn restart(&mut self) {

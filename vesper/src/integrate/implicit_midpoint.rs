@@ -11,7 +11,7 @@
 //! Sources: Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., II.1, eq. 1.7, IV.2 and VI.4; Hairer, Wanner,
 //! Solving Ordinary Differential Equations II, 2nd ed., IV.3.
 
-use super::{Integrator, Structure, System, newton_krylov};
+use super::{Integrator, Structure, System, implicit};
 use crate::error::Fault;
 
 /// The implicit midpoint rule: order 2, symplectic, stable at any step.
@@ -31,7 +31,7 @@ impl Integrator for ImplicitMidpoint {
     }
 
     fn work_vectors(&self) -> usize {
-        newton_krylov::VECTORS
+        implicit::VECTORS
     }
 
     fn needs_derivatives(&self) -> bool {
@@ -44,7 +44,7 @@ impl Integrator for ImplicitMidpoint {
 
     fn step(&mut self, system: &mut dyn System, step: f64) -> Result<(), Fault> {
         let follows = *self.follows.get_or_insert_with(|| system.coordinates_follow_momenta());
-        newton_krylov::step((self.name(), follows), system, step, (0.5, 2.0))
+        implicit::step((self.name(), follows), system, step, (0.5, 2.0))
     }
 
     fn restart(&mut self) {
