@@ -57,7 +57,7 @@ fn go<P: CatalogPrecision>(
     every: Option<u64>,
 ) -> Result<Exit, Vec<SceneFault>> {
     let mut ready = Ready::<P>::new(scene, resume)?;
-    if let Some(text) = ready.too_long() {
+    if let Some(text) = ready.too_long().filter(|_| !arguments.quiet) {
         complain(&format!("warning: {text}\n"));
     }
     let mut folder = arguments.out.as_deref().map(Folder::new).transpose();

@@ -100,7 +100,8 @@ impl<'s, P: CatalogPrecision> Ready<'s, P> {
     /// In words, that the step is longer than the integrator bears at the start; `None` where it is not, or not known.
     pub fn too_long(&mut self) -> Option<String> {
         let stable = stable::longest(&mut self.engine)?;
-        stable::too_long(self.engine.integrator().name(), self.course.step, &stable)
+        let step = self.course.step.min(self.course.end - self.engine.time());
+        stable::too_long(self.engine.integrator().name(), step, &stable)
     }
 
     /// Runs to the end.
