@@ -124,6 +124,18 @@ pub const INTEGRATORS: &[NamedIntegrator] = &[
         options: &["precision"],
         make: |option| Box::new(GaussRadau15::new(option("precision", GaussRadau15::default().precision))),
     },
+    NamedIntegrator {
+        name: "implicit_euler",
+        about: "order 1, implicit, stable at any step; takes fast motion away",
+        options: &[],
+        make: |_| Box::new(ImplicitEuler::default()),
+    },
+    NamedIntegrator {
+        name: "implicit_midpoint",
+        about: "order 2, implicit, stable at any step, symplectic",
+        options: &[],
+        make: |_| Box::new(ImplicitMidpoint::default()),
+    },
 ];
 
 fn tolerance(option: Ask<'_>, usual: Tolerance) -> Tolerance {
@@ -158,6 +170,9 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("radau", "gauss_radau_15"),
     ("symplectic_euler", "semi_implicit_euler"),
     ("euler_cromer", "semi_implicit_euler"),
+    ("backward_euler", "implicit_euler"),
+    ("gauss_legendre_2", "implicit_midpoint"),
+    ("sdirk2", "implicit_midpoint"),
 ];
 
 /// Help for a name that no integrator has.

@@ -14,6 +14,7 @@ use vesper_laws::catalog::CatalogPrecision;
 use super::problem::{Answer, Moment, Problem};
 use crate::assemble::integrators::NamedIntegrator;
 use crate::run::drift::Drift;
+use crate::run::stable;
 use crate::scene::Precision as Numbers;
 
 /// What an integrator is told.
@@ -138,6 +139,12 @@ impl Method {
             (None, Some(end)) => Ok((end, each)),
             (broke, _) => Err(broke.unwrap_or_else(|| "it does not come to the end".to_owned())),
         }
+    }
+
+    /// How long a step of its integrator may be at the start of a problem, where that is known.
+    pub(super) fn longest(&self, problem: &Problem) -> Option<StableStep> {
+        let mut engine = problem.engine::<f64>(|builder| self.configure(builder, 0.0)).ok()?;
+        stable::longest(&mut engine)
     }
 
     /// Goes through a problem once; `looks`: whether at what should be kept.

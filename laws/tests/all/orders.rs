@@ -70,6 +70,8 @@ fn any_laws(problem: &impl Problem, end: f64) {
         (2, measured(problem, Midpoint, end, 1000)),
         (2, measured(problem, Leapfrog::default(), end, 1000)),
         (4, measured(problem, RungeKutta4, end, 400)),
+        (1, measured(problem, ImplicitEuler::default(), end, 4000)),
+        (2, measured(problem, ImplicitMidpoint::default(), end, 1000)),
         (5, fitted(problem, DormandPrince5::new(LOOSE), end, 1e-12..1e-9)),
     ];
     check(problem, &orders);

@@ -376,6 +376,7 @@ impl<P: Scalar> Builder<P> {
             remainder: 0.0,
             steps: 0,
             evaluations: 0,
+            derivatives: 0,
             tried: [0; 2],
             clock: Clock { time, since: 0, step: 0.0 },
             touched: false,

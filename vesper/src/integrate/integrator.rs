@@ -1,6 +1,6 @@
 //! What a method of integration is to the engine, and what it learns about the laws before it is taken.
 
-use super::System;
+use super::{StableLimits, System};
 use crate::error::Fault;
 
 const SEPARABLE: &str = "rates of momenta without momenta, and of coordinates without coordinates or the time";
@@ -131,6 +131,15 @@ pub trait Integrator: Send {
     /// Makes itself fit for the laws, when an engine is built. Whether it is another one now.
     fn suit(&mut self, _structure: &Structure) -> bool {
         false
+    }
+    /// Whether it asks how the rates change ([`super::Linearised::derivative`]): only then is a program made for that.
+    fn needs_derivatives(&self) -> bool {
+        false
+    }
+    /// The longest step times the rate of an oscillation, and of a decay, at which neither grows; `None` where steps of any length
+    /// are stable, or where it chooses its own. `second_order`: the laws say that the rate of every coordinate is its momentum.
+    fn stable_limits(&self, _second_order: bool) -> Option<StableLimits> {
+        None
     }
     /// Refuses laws that it cannot integrate.
     ///

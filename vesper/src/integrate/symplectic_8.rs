@@ -20,7 +20,7 @@ pub struct Symplectic8 {
     follows: Option<bool>,
 }
 
-symplectic!(Symplectic8, "symplectic_8", 8, GENERAL, GENERAL);
+symplectic!(Symplectic8, "symplectic_8", 8, [5.63, 5.63], GENERAL, GENERAL);
 
 /// Half of the first part drifts; then the kick of a part, and the drift of two halves, in turn.
 pub(super) const GENERAL: Splitting = Splitting { first: Part::Coordinates, half: GENERAL_FACTORS };

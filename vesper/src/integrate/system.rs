@@ -1,5 +1,6 @@
 //! What an integrator sees of laws and data: vectors over the whole state, by name, and what can be done with them.
 
+use super::Linearised;
 use crate::law::Part;
 
 /// A vector with a number for every number of the state.
@@ -57,7 +58,7 @@ pub enum Rotation {
 }
 
 /// What an integrator sees of laws and data.
-pub trait System {
+pub trait System: Linearised {
     /// The time of the state, in s.
     fn time(&self) -> f64;
     /// Sets the time at which laws are evaluated, in s.

@@ -14,6 +14,7 @@ mod dot;
 mod explain;
 mod group;
 mod linear;
+mod linearised;
 mod merge;
 mod operand;
 mod pass;
@@ -22,6 +23,7 @@ mod prune;
 mod rotation;
 mod run;
 mod switches;
+mod tangent;
 mod turning;
 mod vectors;
 
@@ -31,6 +33,7 @@ pub use chain::{Chain, ChainPart, Chained, Layout, List, Registers};
 pub(crate) use plan::Key;
 use plan::Plan;
 pub(crate) use run::{Runner, Watch};
+pub(crate) use tangent::Tangent;
 pub(crate) use vectors::{Vectors, lent_columns};
 
 use crate::backend::Compiled;
@@ -98,6 +101,8 @@ pub(crate) struct Pipeline<P: Scalar> {
     pub(crate) turnings: Vec<Turning>,
     /// Where what is turned is, component by component, where it is not the momentum itself.
     turners_at: Vec<(QuantityId, bind::Located<P>)>,
+    /// Of derivatives, for integrators that ask for them.
+    pub(crate) tangent: Option<Box<Tangent<P>>>,
     /// What steps end at.
     pub(crate) switches: Switches<P>,
     /// The layout of the state that the programs' pointers were taken from.
@@ -154,6 +159,7 @@ impl<P: Scalar> Pipeline<P> {
             vectors: Vectors::default(),
             turnings,
             turners_at: Vec::new(),
+            tangent: None,
             switches: Switches::default(),
             layout: state.layout(),
             idle: false,
@@ -185,6 +191,9 @@ impl<P: Scalar> Pipeline<P> {
         pipeline.turners_at = pipeline.turners().flat_map(|by| pipeline.components(by, state)).collect();
         pipeline.programs =
             plans.into_iter().map(|plan| program(plan, laws, chains, &pipeline, state, machine)).collect();
+        if integrator.needs_derivatives() {
+            pipeline.tangent = Some(Box::new(Tangent::new(&pipeline, laws, state)));
+        }
         pipeline.layout = state.layout();
         pipeline.amends = !pipeline.programs[Key::Amend.index()].passes.is_empty();
         pipeline.observes = !pipeline.programs[Key::Observe.index()].passes.is_empty();

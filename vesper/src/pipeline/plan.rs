@@ -28,6 +28,8 @@ pub(crate) enum Key {
     Observe,
     /// The energies of all laws.
     Energy,
+    /// The derivatives of all rates along a direction, which have a program of their own (`tangent`).
+    Tangent,
 }
 
 impl Key {
@@ -46,7 +48,7 @@ impl Key {
         Key::Energy,
     ];
 
-    /// Where the key's program is among a pipeline's.
+    /// Where the key's program is among a pipeline's; that of derivatives stands behind them.
     pub(crate) fn index(self) -> usize {
         match self {
             Key::Evaluate(part) => part_index(part),
@@ -57,6 +59,7 @@ impl Key {
             Key::Amend => 9,
             Key::Observe => 10,
             Key::Energy => 11,
+            Key::Tangent => Key::ALL.len(),
         }
     }
 
@@ -66,7 +69,7 @@ impl Key {
             Key::Evaluate(part) | Key::Advance(part) => vec![part],
             Key::KickDrift => vec![Part::Momenta, Part::Coordinates],
             Key::Unturned => vec![Part::Momenta],
-            Key::Turners | Key::Amend | Key::Observe | Key::Energy => vec![Part::All],
+            Key::Turners | Key::Amend | Key::Observe | Key::Energy | Key::Tangent => vec![Part::All],
         }
     }
 }
@@ -150,8 +153,8 @@ pub(crate) fn plan<P: Scalar>(key: Key, pipeline: &Pipeline<P>) -> Plan {
             _ => passes.push(vec![op]),
         }
     }
-    // What is looked at begins from a plain zero.
-    if key != Key::Observe {
+    // What is looked at begins from a plain zero, and so do derivatives.
+    if !matches!(key, Key::Observe | Key::Tangent) {
         passes.iter_mut().for_each(|pass| super::merge::begin_with_laws(pass, pipeline));
     }
     Plan { key, passes }
@@ -173,7 +176,7 @@ impl<P: Scalar> Stage<'_, P> {
         let Pipeline { entries, registry, graph, observed, .. } = self.pipeline;
         let first = self.ops.len();
         let (targets, needs) = match self.key {
-            Key::Evaluate(_) | Key::Advance(_) | Key::KickDrift | Key::Unturned => {
+            Key::Evaluate(_) | Key::Advance(_) | Key::KickDrift | Key::Unturned | Key::Tangent => {
                 graph.raters(self.part, entries, registry)
             }
             Key::Turners => (Vec::new(), self.pipeline.turners().collect()),
@@ -364,7 +367,8 @@ impl<P: Scalar> Stage<'_, P> {
         let (seat, entry) = self.seat(index);
         let registry = &self.pipeline.registry;
         let every = entry.options.every;
-        let held = every > 1 && !energy;
+        // A derivative is that of the law as it is, on whatever steps.
+        let held = every > 1 && !energy && self.key != Key::Tangent;
         let mask = wanted_inputs(&entry.signature, part);
         let mut operands = Vec::new();
         let mut writes = Vec::new();

@@ -135,6 +135,8 @@ pub(crate) struct Runner<'a, P: Scalar> {
     /// Which laws take part, of those that are not evaluated on every step.
     pace: Pace,
     pub(crate) evaluations: u64,
+    /// How often derivatives along a direction were asked for.
+    pub(crate) derivatives: u64,
     /// Steps that an adaptive integrator gave up, and those that it kept.
     pub(crate) tried: [u64; 2],
 }
@@ -164,8 +166,18 @@ impl<'a, P: Scalar> Runner<'a, P> {
             watch: None,
         };
         let clock = super::bind::locate_column(state, 0, Time::NAME, 0).map(|place| place.base.resolve(lent));
-        let mut runner =
-            Runner { pipeline, context, clock, time, step, ahead: 1, pace: Pace::Held, evaluations: 0, tried: [0; 2] };
+        let mut runner = Runner {
+            pipeline,
+            context,
+            clock,
+            time,
+            step,
+            ahead: 1,
+            pace: Pace::Held,
+            evaluations: 0,
+            derivatives: 0,
+            tried: [0; 2],
+        };
         runner.set_time(time);
         runner
     }

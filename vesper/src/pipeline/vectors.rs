@@ -166,6 +166,11 @@ impl<P: Scalar> Vectors<P> {
         }
     }
 
+    /// Numbers of a vector, with gaps.
+    pub(crate) fn len(&self) -> usize {
+        self.registers[0].as_slice().len()
+    }
+
     /// The last vector that was asked for.
     pub(crate) fn last_work(&self) -> usize {
         self.work.saturating_sub(1)
