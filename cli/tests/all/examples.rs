@@ -38,7 +38,9 @@ fn each_is_read_explained_and_run() {
         assert!(text.starts_with("# ") && text.contains("# To see: "), "{} does not say what to see", path.display());
         let read = Scene::read(&path, &[]).unwrap();
         assert!(read.title.is_some() && read.engine.end.is_some());
-        let step = read.engine.step.unwrap().value;
+        // An integrator that chooses its steps takes at least one in each frame.
+        let adaptive = read.engine.step.is_none();
+        let step = read.engine.step.or(read.engine.frame).unwrap().value;
         let path = path.to_str().unwrap();
         let explained = done(["explain", path]);
         assert!(explained.stdout.contains("order of an evaluation"), "{}", explained.stdout);
@@ -47,7 +49,8 @@ fn each_is_read_explained_and_run() {
         let end = (3.0 * step).to_string();
         let value = done(["run", path, "--json", "--end", &end]).json();
         check_schema(&value);
-        assert_eq!(value["steps"], 3, "{path}");
+        let steps = value["steps"].as_u64().unwrap();
+        assert!(if adaptive { steps >= 3 } else { steps == 3 }, "{path}: {steps}");
         assert_eq!(value["unused"], serde_json::json!([]));
         assert!(value["laws"].as_array().unwrap().iter().all(|law| law["status"] == "active"), "{path}");
     }
