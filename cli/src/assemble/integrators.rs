@@ -25,6 +25,12 @@ pub struct NamedIntegrator {
 /// All integrators.
 pub const INTEGRATORS: &[NamedIntegrator] = &[
     NamedIntegrator {
+        name: AUTO,
+        about: "what the structure of the laws suggests: gauss_radau_15 mostly, respa or leapfrog with `every`",
+        options: &[],
+        make: |_| Box::new(Auto::default()),
+    },
+    NamedIntegrator {
         name: "explicit_euler",
         about: "order 1, one evaluation per step; a yardstick",
         options: &[],
@@ -79,6 +85,30 @@ pub const INTEGRATORS: &[NamedIntegrator] = &[
         make: |_| Box::new(Symplectic8::default()),
     },
     NamedIntegrator {
+        name: "respa",
+        about: "order 2, slow laws kick for all steps of their `every` at once, symplectic",
+        options: &[],
+        make: |_| Box::new(Respa::default()),
+    },
+    NamedIntegrator {
+        name: "boris",
+        about: "order 2, one evaluation per step, turns velocities in magnetic fields",
+        options: &[],
+        make: |_| Box::new(Boris::default()),
+    },
+    NamedIntegrator {
+        name: "higuera_cary",
+        about: "order 2, one evaluation per step, as boris for fast charges",
+        options: &[],
+        make: |_| Box::new(HigueraCary::default()),
+    },
+    NamedIntegrator {
+        name: "boris_8",
+        about: "order 8, seventeen evaluations per step, turns velocities in magnetic fields",
+        options: &[],
+        make: |_| Box::new(Boris8::default()),
+    },
+    NamedIntegrator {
         name: "dormand_prince_5",
         about: "order 5, adaptive, six evaluations per step",
         options: &["rtol", "atol"],
@@ -107,6 +137,18 @@ pub const INTEGRATORS: &[NamedIntegrator] = &[
         about: "Kepler splitting, corrected: order 4, two evaluations per step, symplectic",
         options: &["g", "corrector"],
         make: |option| Box::new(wisdom_holman(option, WisdomHolman::high())),
+    },
+    NamedIntegrator {
+        name: "implicit_euler",
+        about: "order 1, implicit, stable at any step; takes fast motion away",
+        options: &[],
+        make: |_| Box::new(ImplicitEuler::default()),
+    },
+    NamedIntegrator {
+        name: "implicit_midpoint",
+        about: "order 2, implicit, stable at any step, symplectic",
+        options: &[],
+        make: |_| Box::new(ImplicitMidpoint::default()),
     },
 ];
 
@@ -138,6 +180,10 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("euler", "semi_implicit_euler"),
     ("forward_euler", "explicit_euler"),
     ("rk2", "midpoint"),
+    ("r_respa", "respa"),
+    ("multiple_time_step", "respa"),
+    ("boris_pusher", "boris"),
+    ("hc", "higuera_cary"),
     ("yoshida", "symplectic_4"),
     ("forest_ruth", "symplectic_4"),
     ("rk45", "dormand_prince_5"),
@@ -152,6 +198,9 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("radau", "gauss_radau_15"),
     ("symplectic_euler", "semi_implicit_euler"),
     ("euler_cromer", "semi_implicit_euler"),
+    ("backward_euler", "implicit_euler"),
+    ("gauss_legendre_2", "implicit_midpoint"),
+    ("sdirk2", "implicit_midpoint"),
 ];
 
 /// Help for a name that no integrator has.
@@ -161,6 +210,14 @@ pub fn help(name: &str) -> Option<String> {
         Some((_, known)) => Some(format!("did you mean `{known}`?")),
         None => help_for(name, INTEGRATORS.iter().map(|known| known.name)),
     }
+}
+
+/// The one that is another one.
+pub const AUTO: &str = "auto";
+
+/// All but the one that is another one.
+pub fn methods() -> impl Iterator<Item = &'static NamedIntegrator> {
+    INTEGRATORS.iter().filter(|known| known.name != AUTO)
 }
 
 /// The one that scenes get which name none.
@@ -182,7 +239,7 @@ mod tests {
 
     #[test]
     fn each_has_its_own_name() {
-        for known in INTEGRATORS {
+        for known in methods() {
             assert_eq!((known.make)(&|_, usual| usual).name(), known.name);
         }
         assert!(integrator(DEFAULT).is_some());

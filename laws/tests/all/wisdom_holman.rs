@@ -254,7 +254,7 @@ fn what_does_not_fit_is_refused() {
         (fault(dragged(), plain()), "drag is evaluated on some steps only"),
         (fault(fast, plain()), "laws move bodies.position, bodies.momentum: take gauss_radau_15"),
     ];
-    for (found, expected) in table.iter().take(7) {
+    for (found, expected) in &table {
         assert!(found.contains(expected) && found.contains("wisdom_holman needs"), "{found}");
     }
 }

@@ -145,7 +145,7 @@ impl<P: Scalar> Vectors<P> {
     }
 
     /// Where a component is in a register, and how far apart its numbers are.
-    fn place(&self, register: Register, component: &Component<P>, lent: &[*mut P]) -> (*mut P, usize) {
+    pub(super) fn place(&self, register: Register, component: &Component<P>, lent: &[*mut P]) -> (*mut P, usize) {
         match self.vector(register) {
             Some(start) => (start.wrapping_add(component.at), 1),
             None => (component.place.base.resolve(lent), component.place.stride),

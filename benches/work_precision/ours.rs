@@ -1,0 +1,37 @@
+//! Our own runs of a task.
+
+use super::compared::Curve;
+use crate::Task;
+use std::time::Instant;
+use vesper::prelude::*;
+use vesper_cli::assemble::integrators::integrator;
+
+/// An integrator with each of its settings: steps, or tolerances.
+pub fn curve(task: &Task, name: &str, settings: &[f64]) -> Curve {
+    let known = integrator(name).expect("it is one of ours");
+    let points = settings.iter().map(|setting| {
+        let option = |option: &str, usual: f64| if known.options.first() == Some(&option) { *setting } else { usual };
+        let made = (known.make)(&option);
+        let fixed = !made.is_adaptive();
+        let configure = |builder: Builder<f64>| builder.boxed_integrator(made);
+        let mut engine = task.problem.engine(configure).expect("it fits");
+        let (mut spent, mut moments) = (0.0, Vec::new());
+        for time in &task.problem.times {
+            let way = time - engine.time();
+            let begin = Instant::now();
+            let count = (way / setting - 1e-9).ceil();
+            let done = if fixed { engine.steps_of(count as u64, way / count) } else { engine.advance(way) };
+            spent += begin.elapsed().as_secs_f64();
+            // So coarse that bodies meet: no answer.
+            if done.is_err() {
+                break;
+            }
+            let numbers = |property: vesper::property::PropertyInfo| {
+                engine.state().numbers("bodies", property).expect("it is there")
+            };
+            moments.push([numbers(Position::INFO), numbers(Velocity::INFO)]);
+        }
+        (task.error(&moments), vec![spent])
+    });
+    Curve { name: format!("`{name}`"), points: points.collect() }
+}
