@@ -20,7 +20,7 @@ def simulation(asked, run):
         simulation.add(m=mass, x=x, y=y, z=z, vx=vx, vy=vy, vz=vz)
     simulation.integrator = run["integrator"]
     for option, value in run["options"].items():
-        setattr(simulation.integrator, option, value)
+        setattr(simulation.integrator, option, int(value) if value.isdigit() else value)
     if run["integrator"] == "ias15":
         simulation.integrator.epsilon = run["setting"]
     else:

@@ -2,7 +2,8 @@
 
 use super::compared::Curve;
 use crate::Task;
-use ode_solvers::{DVector, Dop853, Dopri5, System};
+use ode_solvers::dop_shared::OutputType;
+use ode_solvers::{Dop853, Dopri5, SVector, System};
 use std::time::Instant;
 
 /// Two methods that are alike.
@@ -23,8 +24,8 @@ struct Bodies {
     parameters: Vec<f64>,
 }
 
-impl System<f64, DVector<f64>> for Bodies {
-    fn system(&self, _time: f64, y: &DVector<f64>, rates: &mut DVector<f64>) {
+impl<const N: usize> System<f64, SVector<f64, N>> for Bodies {
+    fn system(&self, _time: f64, y: &SVector<f64, N>, rates: &mut SVector<f64, N>) {
         let (y, rates) = (y.as_slice(), rates.as_mut_slice());
         let half = y.len() / 2;
         let (places, velocities) = y.split_at(half);
@@ -47,33 +48,43 @@ impl System<f64, DVector<f64>> for Bodies {
 
 /// A method with each of its tolerances.
 pub fn curve(task: &Task, method: &Method, tolerances: &[f64]) -> Curve {
-    let points = tolerances.iter().map(|tolerance| {
-        let bodies = &task.case.bodies;
-        let parameters: Vec<f64> = bodies.iter().map(|body| task.gravity * body.mass).collect();
-        let start: Vec<f64> =
-            bodies.iter().flat_map(|body| body.position).chain(bodies.iter().flat_map(|body| body.velocity)).collect();
-        let (mut time, mut state) = (task.problem.start, DVector::from_vec(start));
-        let (mut spent, mut moments) = (0.0, Vec::new());
-        for &end in &task.problem.times {
-            let system = Bodies { parameters: parameters.clone() };
-            let begin = Instant::now();
-            let last = match method.theirs {
-                "Dopri5" => {
-                    let mut stepper = Dopri5::new(system, time, end, end - time, state.clone(), *tolerance, 1e-30);
-                    stepper.integrate().ok().and_then(|_| stepper.y_out().last().cloned())
-                }
-                _ => {
-                    let mut stepper = Dop853::new(system, time, end, end - time, state.clone(), *tolerance, 1e-30);
-                    stepper.integrate().ok().and_then(|_| stepper.y_out().last().cloned())
-                }
-            };
-            spent += begin.elapsed().as_secs_f64();
-            let Some(last) = last else { break };
-            let (places, velocities) = last.as_slice().split_at(last.len() / 2);
-            moments.push([places.to_vec(), velocities.to_vec()]);
-            (time, state) = (end, last);
-        }
-        (task.error(&moments), vec![spent])
+    let numbers = 6 * task.case.bodies.len();
+    let points = tolerances.iter().map(|tolerance| match numbers {
+        18 => point::<18>(task, method, *tolerance),
+        36 => point::<36>(task, method, *tolerance),
+        _ => unreachable!("the tasks are of three and of six bodies"),
     });
     Curve { name: format!("ode_solvers {}", method.theirs), points: points.collect() }
+}
+
+/// The error and the time of one run, of vectors whose length the compiler knows.
+fn point<const N: usize>(task: &Task, method: &Method, tolerance: f64) -> (f64, Vec<f64>) {
+    let bodies = &task.case.bodies;
+    let parameters: Vec<f64> = bodies.iter().map(|body| task.gravity * body.mass).collect();
+    let numbers = bodies.iter().flat_map(|body| body.position).chain(bodies.iter().flat_map(|body| body.velocity));
+    let (mut time, mut state) = (task.problem.start, SVector::<f64, N>::from_iterator(numbers));
+    let (mut spent, mut moments) = (0.0, Vec::new());
+    for &end in &task.problem.times {
+        let system = Bodies { parameters: parameters.clone() };
+        let begin = Instant::now();
+        let (way, most, output) = (end - time, u32::MAX, OutputType::Sparse);
+        // A component that stays zero needs some tolerance. Their defaults, but for the output, a state for each step without a dense one, and for the most steps.
+        let last = if method.theirs == "Dopri5" {
+            let mut stepper = Dopri5::from_param(
+                system, time, end, way, state, tolerance, 1e-30, 0.9, 0.04, 0.2, 10.0, way, 0.0, most, most, output,
+            );
+            stepper.integrate().ok().and_then(|_| stepper.y_out().last().copied())
+        } else {
+            let mut stepper = Dop853::from_param(
+                system, time, end, way, state, tolerance, 1e-30, 0.9, 0.0, 0.333, 6.0, way, 0.0, most, most, output,
+            );
+            stepper.integrate().ok().and_then(|_| stepper.y_out().last().copied())
+        };
+        spent += begin.elapsed().as_secs_f64();
+        let Some(last) = last else { break };
+        let (places, velocities) = last.as_slice().split_at(N / 2);
+        moments.push([places.to_vec(), velocities.to_vec()]);
+        (time, state) = (end, last);
+    }
+    (task.error(&moments), vec![spent])
 }

@@ -6,13 +6,17 @@ use std::time::Instant;
 use vesper::prelude::*;
 use vesper_cli::assemble::integrators::integrator;
 
-/// An integrator with each of its settings: steps, or tolerances.
-pub fn curve(task: &Task, name: &str, settings: &[f64]) -> Curve {
+/// An integrator, with these options, and each of its settings: steps, or tolerances.
+pub fn curve(task: &Task, name: &str, settings: &[f64], options: &[(&str, f64)]) -> Curve {
     let known = integrator(name).expect("it is one of ours");
     let points = settings.iter().map(|setting| {
-        let option = |option: &str, usual: f64| if known.options.first() == Some(&option) { *setting } else { usual };
+        let fixed = !(known.make)(&|_, usual| usual).is_adaptive();
+        let option = |option: &str, usual: f64| match options.iter().find(|(name, _)| *name == option) {
+            Some((_, value)) => *value,
+            None if !fixed && known.options.first() == Some(&option) => *setting,
+            None => usual,
+        };
         let made = (known.make)(&option);
-        let fixed = !made.is_adaptive();
         let configure = |builder: Builder<f64>| builder.boxed_integrator(made);
         let mut engine = task.problem.engine(configure).expect("it fits");
         let (mut spent, mut moments) = (0.0, Vec::new());
@@ -33,5 +37,6 @@ pub fn curve(task: &Task, name: &str, settings: &[f64]) -> Curve {
         }
         (task.error(&moments), vec![spent])
     });
-    Curve { name: format!("`{name}`"), points: points.collect() }
+    let corrected = if options.is_empty() { "" } else { ", corrected" };
+    Curve { name: format!("`{name}`{corrected}"), points: points.collect() }
 }

@@ -11,11 +11,11 @@ use std::process::{Command, Stdio};
 ///
 /// # Errors
 /// In words: what is missing.
-pub fn curve(task: &Task, name: &str, settings: &[f64], options: &[(&str, f64)]) -> Result<Curve, String> {
+pub fn curve(task: &Task, name: &str, settings: &[f64], options: &[(&str, &str)]) -> Result<Curve, String> {
     let python = std::env::var("VESPER_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("rebound_runs.py");
     let options: serde_json::Map<String, Value> =
-        options.iter().map(|(name, value)| ((*name).to_owned(), json!(*value as i64))).collect();
+        options.iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect();
     let runs: Vec<Value> =
         settings.iter().map(|setting| json!({ "integrator": name, "setting": setting, "options": options })).collect();
     let bodies: Vec<Value> =
@@ -55,6 +55,7 @@ pub fn curve(task: &Task, name: &str, settings: &[f64], options: &[(&str, f64)])
         (task.error(&states(run)), seconds)
     });
     let version = told["version"].as_str().unwrap_or("");
-    let corrector = if options.contains_key("corrector") { ", corrected" } else { "" };
-    Ok(Curve { name: format!("REBOUND {version} {name}{corrector}"), points: points.collect() })
+    let told = |option: &str, words| if options.contains_key(option) { words } else { "" };
+    let words = [told("corrector", ", corrected"), told("kernel", ", lazy kernel")].concat();
+    Ok(Curve { name: format!("REBOUND {version} {name}{words}"), points: points.collect() })
 }
