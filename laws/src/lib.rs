@@ -17,7 +17,7 @@
 //! ```
 //!
 //! [`catalog`] lists the laws for whoever chooses by name; [`invariants`] sums what an undisturbed system keeps;
-//! [`mod@reference`] holds problems with known answers.
+//! [`mod@reference`] holds problems with known answers. [`WisdomHolman`] is an integrator that knows one of the laws.
 
 /// The code of the repository's front page, run as a test.
 #[cfg(doctest)]
@@ -32,6 +32,9 @@ struct Declarations;
 pub mod catalog;
 pub mod invariants;
 pub mod reference;
+mod wisdom_holman;
+
+pub use wisdom_holman::{KeplerStep, WisdomHolman, kepler_step};
 
 /// Declares the files of the laws, and brings what they make to the front.
 macro_rules! laws {

@@ -7,15 +7,16 @@ use vesper::prelude::*;
 /// Source: Griffiths, Introduction to Electrodynamics, 4th ed., eq. 5.1.
 ///
 /// Limits: the charges do not act back on the field, and do not radiate. The step must resolve the gyration, of angular
-/// frequency q B / m; semi-implicit Euler lets the speed grow by (q B h / m)^2 / 2 of itself per step.
+/// frequency q B / m; semi-implicit Euler lets the speed grow by (q B h / m)^2 / 2 of itself per step. `boris` and its kin
+/// turn the velocity by q B instead of adding the force, and keep the speed.
 #[derive(Law, Clone, Copy, Debug)]
-#[law(reads(velocity: Velocity, charge: Charge), fields(field: MagneticField), adds(force: Force))]
+#[law(reads(velocity: Velocity, charge: Charge), fields(field: MagneticField), adds(force: Force, turn: Turn))]
 pub struct MagneticForce;
 
 #[kernel]
 impl<R: Real> RowLaw<R> for MagneticForce {
-    fn row(&self, body: MagneticForceRow<R>) -> R::Vec3 {
-        body.velocity.cross(body.field) * body.charge
+    fn row(&self, body: MagneticForceRow<R>) -> MagneticForceOutput<R> {
+        MagneticForceOutput { force: body.velocity.cross(body.field) * body.charge, turn: body.field * body.charge }
     }
 
     fn energy(&self, _body: MagneticForceRow<R>) -> R {

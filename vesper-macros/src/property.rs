@@ -10,7 +10,7 @@ use syn::{Attribute, Ident, LitInt, LitStr, Path, Token, Visibility};
 use crate::names::{check_unit, doc, fault, is_snake_case, snake_case, unknown};
 
 const KINDS: [&str; 4] = ["Scalar", "Vector", "Quaternion", "Link"];
-const ROLES: [&str; 4] = ["coordinate", "momentum", "sum", "switch"];
+const ROLES: [&str; 5] = ["coordinate", "momentum", "sum", "turn", "switch"];
 
 /// One property as written.
 struct Property {
@@ -156,7 +156,8 @@ fn unit(input: ParseStream, ident: &Ident, kind: &str) -> syn::Result<String> {
     }
 }
 
-/// `coordinate`, `momentum of Position`, `sum`, `sum from ExternalForce` or `switch`, as calls on `PropertyInfo`.
+/// `coordinate`, `momentum of Position`, `sum`, `sum from ExternalForce`, `turn of Force by Velocity` or `switch`, as calls
+/// on `PropertyInfo`.
 fn role(input: ParseStream) -> syn::Result<TokenStream> {
     let word = input.call(Ident::parse_any)?;
     let link = |input: ParseStream, join: &str| -> syn::Result<TokenStream> {
@@ -181,6 +182,13 @@ fn role(input: ParseStream) -> syn::Result<TokenStream> {
             Ok(quote!(.sum_from(#name)))
         }
         "sum" => Ok(quote!(.sum())),
+        "turn" if !input.peek(Ident::peek_any) => {
+            Err(fault(word.span(), "a turn is of a sum by what is turned: write `turn of Force by Velocity`"))
+        }
+        "turn" => {
+            let (of, by) = (link(input, "of")?, link(input, "by")?);
+            Ok(quote!(.turn_of(#of, #by)))
+        }
         "switch" => Ok(quote!(.switch())),
         text => Err(fault(word.span(), unknown("role", text, &ROLES))),
     }

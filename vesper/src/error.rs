@@ -221,6 +221,11 @@ pub enum Fault {
          a law jumps or is stiff there; allow a larger error, take an integrator of fixed steps, or ask for shorter frames"
     )]
     TooManyTries { integrator: String, time: f64, step: f64, span: f64, most: f64 },
+    #[error(
+        "{integrator} cannot solve its equation for the step of {step:e} s at {time:e} s: {residual:.1e} of it is left; take a \
+         shorter step, or look for a law that jumps there without a switch"
+    )]
+    NotSolved { integrator: String, time: f64, step: f64, residual: f64 },
     #[error("{integrator} was stopped at {time:e} s, inside a frame")]
     Stopped { integrator: String, time: f64 },
     #[error("{integrator} needs {need}, but {found}: {mend}")]

@@ -36,6 +36,20 @@ pub trait Field<P: Scalar>: Send + Sync + 'static {
         P::from_f64(1.0)
     }
 
+    /// How fast the value that the formula of a region gives changes, as the place moves by `along` per unit of time: what
+    /// implicit integrators and limits of steps ask. Without a formula, a central difference over the cube root of rounding
+    /// times the distance from the origin (Dennis, Schnabel, Numerical Methods for Unconstrained Optimization and Nonlinear
+    /// Equations, 5.4): give one where the field changes over much less than that.
+    fn derivative(&self, region: u64, position: P::Vec3, along: P::Vec3, time: P) -> P::Vec3 {
+        let [size, speed] = [position, along].map(|vector| vector.length().to_f64());
+        if speed == 0.0 {
+            return P::Vec3::zero();
+        }
+        let by = P::from_f64(P::EPSILON.cbrt() * if size > 0.0 { size } else { 1.0 } / speed);
+        let value = |by: P| self.sample_in(region, position + along * by, time);
+        (value(by) - value(-by)) / (by + by)
+    }
+
     /// The values at many places. One call for a block of rows, so that a closure behind a pointer costs little.
     fn sample_block(&self, [x, y, z]: [&[P]; 3], time: P, [to_x, to_y, to_z]: [&mut [P]; 3]) {
         for row in 0..x.len() {
@@ -127,6 +141,9 @@ impl<P: Scalar> Field<P> for Uniform {
     fn uniform(&self) -> Option<P::Vec3> {
         Some(vector::<P>(self.value))
     }
+    fn derivative(&self, _region: u64, _position: P::Vec3, _along: P::Vec3, _time: P) -> P::Vec3 {
+        P::Vec3::zero()
+    }
 }
 
 impl FieldBox {
@@ -150,6 +167,10 @@ impl<P: Scalar> Field<P> for Boxes {
         let at = numbers::<P>(position);
         let inside = self.boxes.iter().filter(|part| part.holds(at));
         inside.fold(P::Vec3::zero(), |sum, part| sum + vector::<P>(part.value))
+    }
+
+    fn derivative(&self, _region: u64, _position: P::Vec3, _along: P::Vec3, _time: P) -> P::Vec3 {
+        P::Vec3::zero()
     }
 
     fn has_regions(&self) -> bool {
@@ -186,6 +207,17 @@ impl<P: Scalar> Field<P> for Point {
         }
         from * (P::from_f64(self.strength) / (r2 * r2.sqrt()))
     }
+
+    /// `(along - 3 n (n . along)) strength / r^3`
+    fn derivative(&self, _region: u64, position: P::Vec3, along: P::Vec3, _time: P) -> P::Vec3 {
+        let from = position - vector::<P>(self.at);
+        let r2 = from.length_squared();
+        if r2 == P::default() {
+            return P::Vec3::zero();
+        }
+        let across = along - from * (P::lit(3.0) * from.dot(along) / r2);
+        across * (P::from_f64(self.strength) / (r2 * r2.sqrt()))
+    }
 }
 
 impl<P: Scalar> Field<P> for Points {
@@ -196,6 +228,11 @@ impl<P: Scalar> Field<P> for Points {
         }
         sum
     }
+
+    fn derivative(&self, region: u64, position: P::Vec3, along: P::Vec3, time: P) -> P::Vec3 {
+        let each = self.points.iter().map(|point| Field::<P>::derivative(point, region, position, along, time));
+        each.fold(P::Vec3::zero(), |sum, change| sum + change)
+    }
 }
 
 impl<P: Scalar> Field<P> for Bottle {
@@ -205,6 +242,14 @@ impl<P: Scalar> Field<P> for Bottle {
         let square = length * length;
         let across = -(value * z / square);
         P::Vec3::new(across * x, across * y, value + value * z * z / square)
+    }
+
+    fn derivative(&self, _region: u64, position: P::Vec3, along: P::Vec3, _time: P) -> P::Vec3 {
+        let length = P::from_f64(self.length);
+        let by = P::from_f64(self.value) / (length * length);
+        let (z, rising) = (position.z(), along.z());
+        let across = |place: P, moving: P| -(by * (rising * place + z * moving));
+        P::Vec3::new(across(position.x(), along.x()), across(position.y(), along.y()), P::lit(2.0) * by * z * rising)
     }
 }
 
@@ -217,5 +262,53 @@ impl<P: Scalar> Field<P> for Dipole {
         }
         let moment = vector::<P>(self.moment);
         (from * (P::lit(3.0) * moment.dot(from) / r2) - moment) / (r2 * r2.sqrt())
+    }
+
+    /// `3 (n (m . a) + a (m . n) + m (n . a) - 5 n (m . n) (n . a)) / r^4` for `a = along`.
+    fn derivative(&self, _region: u64, position: P::Vec3, along: P::Vec3, _time: P) -> P::Vec3 {
+        let from = position - vector::<P>(self.at);
+        let r2 = from.length_squared();
+        if r2 == P::default() {
+            return P::Vec3::zero();
+        }
+        let moment = vector::<P>(self.moment);
+        let (through, rising) = (moment.dot(from), from.dot(along));
+        let turned = from * moment.dot(along) + along * through + moment * rising;
+        let stretched = from * (P::lit(5.0) * through * rising / r2);
+        (turned - stretched) * (P::lit(3.0) / (r2 * r2 * r2.sqrt()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A field without its formula of derivatives.
+    struct Plain<F>(F);
+
+    impl<F: Field<f64>> Field<f64> for Plain<F> {
+        fn sample(&self, position: glam::DVec3, time: f64) -> glam::DVec3 {
+            self.0.sample(position, time)
+        }
+    }
+
+    #[test]
+    fn derivatives_of_stock_fields_are_those_of_differences() {
+        fn check(field: impl Field<f64> + Clone) {
+            let place = glam::DVec3::new(0.7, -0.4, 1.1);
+            for along in [glam::DVec3::X, glam::DVec3::new(0.2, -3.0, 0.5), glam::DVec3::ZERO] {
+                let exact = field.derivative(field.region(place), place, along, 0.0);
+                let found = Plain(field.clone()).derivative(0, place, along, 0.0);
+                assert!((exact - found).length() < 1e-8 * (1.0 + exact.length()), "{exact}, {found}");
+            }
+        }
+        let point = Point { at: [0.1, 0.2, -0.3], strength: -2.0 };
+        check(point);
+        check(Points { points: vec![point, Point { at: [2.0, 0.0, 0.0], strength: 0.5 }] });
+        check(Dipole { at: [0.1, 0.2, -0.3], moment: [0.4, -1.0, 2.0] });
+        check(Bottle { value: 3.0, length: 0.8 });
+        check(Uniform { value: [1.0, 2.0, 3.0] });
+        let part = FieldBox { min: [-1.0; 3], max: [2.0; 3], value: [1.0, 0.0, 0.0] };
+        check(Boxes { boxes: vec![part] });
     }
 }

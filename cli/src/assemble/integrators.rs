@@ -2,6 +2,8 @@
 
 use vesper::prelude::*;
 
+use vesper_laws::WisdomHolman;
+
 use crate::fault::help_for;
 
 /// What a scene says for an option: its name, and what it is where the scene does not say.
@@ -22,6 +24,12 @@ pub struct NamedIntegrator {
 
 /// All integrators.
 pub const INTEGRATORS: &[NamedIntegrator] = &[
+    NamedIntegrator {
+        name: AUTO,
+        about: "what the structure of the laws suggests: gauss_radau_15 mostly, respa or leapfrog with `every`",
+        options: &[],
+        make: |_| Box::new(Auto::default()),
+    },
     NamedIntegrator {
         name: "explicit_euler",
         about: "order 1, one evaluation per step; a yardstick",
@@ -77,6 +85,30 @@ pub const INTEGRATORS: &[NamedIntegrator] = &[
         make: |_| Box::new(Symplectic8::default()),
     },
     NamedIntegrator {
+        name: "respa",
+        about: "order 2, slow laws kick for all steps of their `every` at once, symplectic",
+        options: &[],
+        make: |_| Box::new(Respa::default()),
+    },
+    NamedIntegrator {
+        name: "boris",
+        about: "order 2, one evaluation per step, turns velocities in magnetic fields",
+        options: &[],
+        make: |_| Box::new(Boris::default()),
+    },
+    NamedIntegrator {
+        name: "higuera_cary",
+        about: "order 2, one evaluation per step, as boris for fast charges",
+        options: &[],
+        make: |_| Box::new(HigueraCary::default()),
+    },
+    NamedIntegrator {
+        name: "boris_8",
+        about: "order 8, seventeen evaluations per step, turns velocities in magnetic fields",
+        options: &[],
+        make: |_| Box::new(Boris8::default()),
+    },
+    NamedIntegrator {
         name: "dormand_prince_5",
         about: "order 5, adaptive, six evaluations per step",
         options: &["rtol", "atol"],
@@ -94,7 +126,41 @@ pub const INTEGRATORS: &[NamedIntegrator] = &[
         options: &["precision"],
         make: |option| Box::new(GaussRadau15::new(option("precision", GaussRadau15::default().precision))),
     },
+    NamedIntegrator {
+        name: "wisdom_holman",
+        about: "Kepler splitting for a dominant mass: order 2, one evaluation per step, symplectic",
+        options: &["g", "corrector"],
+        make: |option| Box::new(wisdom_holman(option, WisdomHolman::new())),
+    },
+    NamedIntegrator {
+        name: "wisdom_holman_high",
+        about: "Kepler splitting, corrected: order 4, two evaluations per step, symplectic",
+        options: &["g", "corrector"],
+        make: |option| Box::new(wisdom_holman(option, WisdomHolman::high())),
+    },
+    NamedIntegrator {
+        name: "implicit_euler",
+        about: "order 1, implicit, stable at any step; takes fast motion away",
+        options: &[],
+        make: |_| Box::new(ImplicitEuler::default()),
+    },
+    NamedIntegrator {
+        name: "implicit_midpoint",
+        about: "order 2, implicit, stable at any step, symplectic",
+        options: &[],
+        make: |_| Box::new(ImplicitMidpoint::default()),
+    },
 ];
+
+/// An order of a corrector is a whole number; what is none, no method has.
+fn wisdom_holman(option: Ask<'_>, usual: WisdomHolman) -> WisdomHolman {
+    // 0 is no constant of gravitation: then it is that of the law.
+    let g = option("g", 0.0);
+    let corrector = option("corrector", f64::from(usual.corrector));
+    let corrector = if corrector.fract() == 0.0 { corrector as u32 } else { u32::MAX };
+    let integrator = usual.with_corrector(corrector);
+    if g == 0.0 { integrator } else { integrator.with_g(g) }
+}
 
 fn tolerance(option: Ask<'_>, usual: Tolerance) -> Tolerance {
     Tolerance { relative: option("rtol", usual.relative), absolute: option("atol", usual.absolute) }
@@ -114,16 +180,27 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("euler", "semi_implicit_euler"),
     ("forward_euler", "explicit_euler"),
     ("rk2", "midpoint"),
+    ("r_respa", "respa"),
+    ("multiple_time_step", "respa"),
+    ("boris_pusher", "boris"),
+    ("hc", "higuera_cary"),
     ("yoshida", "symplectic_4"),
     ("forest_ruth", "symplectic_4"),
     ("rk45", "dormand_prince_5"),
     ("dopri5", "dormand_prince_5"),
     ("ode45", "dormand_prince_5"),
     ("dop853", "dormand_prince_8"),
+    ("whfast", "wisdom_holman"),
+    ("wh", "wisdom_holman"),
+    ("mvs", "wisdom_holman"),
+    ("whckl", "wisdom_holman_high"),
     ("ias15", "gauss_radau_15"),
     ("radau", "gauss_radau_15"),
     ("symplectic_euler", "semi_implicit_euler"),
     ("euler_cromer", "semi_implicit_euler"),
+    ("backward_euler", "implicit_euler"),
+    ("gauss_legendre_2", "implicit_midpoint"),
+    ("sdirk2", "implicit_midpoint"),
 ];
 
 /// Help for a name that no integrator has.
@@ -133,6 +210,14 @@ pub fn help(name: &str) -> Option<String> {
         Some((_, known)) => Some(format!("did you mean `{known}`?")),
         None => help_for(name, INTEGRATORS.iter().map(|known| known.name)),
     }
+}
+
+/// The one that is another one.
+pub const AUTO: &str = "auto";
+
+/// All but the one that is another one.
+pub fn methods() -> impl Iterator<Item = &'static NamedIntegrator> {
+    INTEGRATORS.iter().filter(|known| known.name != AUTO)
 }
 
 /// The one that scenes get which name none.
@@ -154,7 +239,7 @@ mod tests {
 
     #[test]
     fn each_has_its_own_name() {
-        for known in INTEGRATORS {
+        for known in methods() {
             assert_eq!((known.make)(&|_, usual| usual).name(), known.name);
         }
         assert!(integrator(DEFAULT).is_some());

@@ -17,6 +17,7 @@ const STANDARD: &[PropertyInfo] = &[
     RestMass::INFO,
     ExternalForce::INFO,
     Force::INFO,
+    Turn::INFO,
     Acceleration::INFO,
     StandardGravitationalParameter::INFO,
     Charge::INFO,

@@ -180,6 +180,12 @@ pub struct Study {
     /// Frames in a second, each of which is to take no longer than it lasts
     #[arg(long, value_name = "N", requires = "error", allow_negative_numbers = true)]
     pub fps: Option<String>,
+    /// Write the choice into the scene file
+    #[arg(long, requires = "error", conflicts_with_all = ["end", "set", "laws"])]
+    pub write: bool,
+    /// Switch off each law in turn, and tell what it does to the end, and what it costs
+    #[arg(long, conflicts_with_all = ["integrators", "steps", "tolerances", "compensated", "fps", "resume"])]
+    pub laws: bool,
     /// What is compared, as DOMAIN.PROPERTY [default: all that the scene shows]
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
     pub of: Vec<String>,

@@ -56,7 +56,10 @@ fn go<P: CatalogPrecision>(
     resume: Option<&Checkpoint>,
     every: Option<u64>,
 ) -> Result<Exit, Vec<SceneFault>> {
-    let ready = Ready::<P>::new(scene, resume)?;
+    let mut ready = Ready::<P>::new(scene, resume)?;
+    if let Some(text) = ready.too_long().filter(|_| !arguments.quiet) {
+        complain(&format!("warning: {text}\n"));
+    }
     let mut folder = arguments.out.as_deref().map(Folder::new).transpose();
     let folder = folder.as_mut().map_err(|text| vec![scene.fault_of_file(text.as_str())])?;
     let rows: usize = ready.engine.state().domains().iter().map(|domain| domain.rows()).sum();

@@ -10,19 +10,26 @@ use vesper::prelude::*;
 use super::arguments::Study;
 use super::{Exit, complain, say, stop_on_interrupt};
 use crate::assemble;
-use crate::assemble::integrators::{self, INTEGRATORS, NamedIntegrator};
+use crate::assemble::integrators::{self, NamedIntegrator};
 use crate::fault::SceneFault;
 use crate::output::json;
 use crate::scene::{Precision as Numbers, Scene};
 use crate::study::{
-    Budget, Findings, Grid, Keeper, Method, Patience, Problem, Refusal, Run, choice, diagram, read, table,
+    Attribution, Budget, Findings, Grid, Keeper, Method, Patience, Problem, Refusal, Run, choice, diagram, makers,
+    read, shares, table, written,
 };
 
 /// The files of a study in its folder.
 const JSON: &str = "study.json";
 const CSV: &str = "study.csv";
+const LAWS: &str = "laws.json";
+/// How much longer a run may take that tells what a law does.
+const LAWS_PATIENCE: f64 = 30.0;
 
 pub(super) fn study(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
+    if arguments.laws {
+        return laws(arguments);
+    }
     let mut faults = Vec::new();
     let problems = problems(arguments).map_err(|more| faults.extend(more)).ok();
     let grid = grid(arguments).map_err(|more| faults.extend(more)).ok();
@@ -59,12 +66,16 @@ pub(super) fn study(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
     }
     log.save();
     log.bar.finish_and_clear();
+    let changed = match (&budget, &problems[..]) {
+        (Some(budget), [problem]) if arguments.write => write(&arguments.file, problem, budget, &log.findings)?,
+        _ => String::new(),
+    };
     let text = match &budget {
         _ if arguments.json => json::text(&log.findings.to_json_and(budget.as_ref(), &problems)),
         None => table(&log.findings),
         Some(budget) => {
             let choices: Vec<String> = problems.iter().map(|problem| choice(&log.findings, problem, budget)).collect();
-            format!("{}\n{}", table(&log.findings), choices.concat())
+            format!("{}\n{}{changed}", table(&log.findings), choices.concat())
         }
     };
     let said = if arguments.quiet && !arguments.json { Exit::Done } else { say(&text) };
@@ -81,6 +92,69 @@ pub(super) fn study(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
         return Ok(Exit::Interrupted);
     }
     Ok(said)
+}
+
+/// `--write`: puts the choice into the scene; what it says of it.
+fn write(path: &Path, problem: &Problem, budget: &Budget, findings: &Findings) -> Result<String, Vec<SceneFault>> {
+    let file = path.display().to_string();
+    let Some(run) = budget.choice(problem, findings) else {
+        return Ok(format!("{file} is left as it is\n"));
+    };
+    let text = std::fs::read_to_string(path).map_err(|error| vec![wrong(&file, format!("cannot be read: {error}"))])?;
+    let (text, lines) = written(&text, problem, run).map_err(|why| vec![wrong(&file, why)])?;
+    // The whole file or nothing of it.
+    let begun = path.with_extension("toml.part");
+    let done = std::fs::write(&begun, text).and_then(|()| std::fs::rename(&begun, path));
+    done.map_err(|error| vec![wrong(&file, format!("cannot be written: {error}"))])?;
+    Ok(format!("  written into {file}:\n    {}\n", lines.join("\n    ")))
+}
+
+/// `--laws`: what each law of a scene does.
+fn laws(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
+    let mut faults = Vec::new();
+    let problems = problems(arguments).map_err(|more| faults.extend(more)).ok();
+    let grid = grid(arguments).map_err(|more| faults.extend(more)).ok();
+    let budget = budget(arguments).map_err(|more| faults.extend(more)).ok().flatten();
+    let (Some(problems), Some(grid), true) = (problems, grid, faults.is_empty()) else { return Err(faults) };
+    let [problem] = &problems[..] else {
+        return Err(vec![wrong(
+            &arguments.file.display().to_string(),
+            "--laws is for scenes: cases have no laws to drop",
+        )]);
+    };
+    let Some(scene) = problem.scene() else {
+        return Err(vec![wrong(
+            &arguments.file.display().to_string(),
+            "--laws is for scenes: cases have no laws to drop",
+        )]);
+    };
+    let bar = bar(arguments.quiet, scene.laws.len() as u64 + 2);
+    // A law may leave a motion that is harder to follow.
+    let patience = Patience { limit: LAWS_PATIENCE * grid.patience.limit, ..grid.patience.clone() };
+    let found = Attribution::of(problem, &makers(), &patience, |law| {
+        bar.inc(1);
+        bar.set_message(law.to_owned());
+    });
+    bar.finish_and_clear();
+    let found = match found {
+        Ok(found) => found,
+        Err(_) if patience.stop.load(Ordering::Relaxed) => return Ok(Exit::Interrupted),
+        Err(reason) => return Err(vec![wrong(&problem.id, reason)]),
+    };
+    let error = budget.map(|budget| budget.error);
+    let json = json::text(&found.to_json(error));
+    if let Some(out) = &arguments.out {
+        let path = out.join(LAWS);
+        let written = std::fs::create_dir_all(out).and_then(|()| std::fs::write(&path, &json));
+        if let Err(error) = written {
+            return Err(vec![wrong(&path.display().to_string(), format!("cannot be written: {error}"))]);
+        }
+    }
+    Ok(match (arguments.json, arguments.quiet) {
+        (true, _) => say(&json),
+        (false, true) => Exit::Done,
+        (false, false) => say(&shares(&found, error)),
+    })
 }
 
 fn bar(quiet: bool, steps: u64) -> ProgressBar {
@@ -188,6 +262,7 @@ fn problems(arguments: &Study) -> Result<Vec<Problem>, Vec<SceneFault>> {
         ("--strict", arguments.changes.strict),
         ("--threads", arguments.changes.threads.is_some()),
         ("--of", !arguments.of.is_empty()),
+        ("--write", arguments.write),
     ];
     let mut faults: Vec<SceneFault> = scene_options
         .into_iter()
@@ -236,7 +311,7 @@ fn grid(arguments: &Study) -> Result<Grid, Vec<SceneFault>> {
         list.iter().filter_map(|name| known(name).map_err(|fault| faults.push(fault)).ok()).collect()
     };
     let integrators = match &arguments.integrators[..] {
-        [] => INTEGRATORS.iter().collect(),
+        [] => integrators::methods().collect(),
         list => asked(list),
     };
     let precisions = words("--precisions", &arguments.precisions, &[("f32", Numbers::F32), ("f64", Numbers::F64)]);

@@ -10,6 +10,7 @@ mod drive;
 mod law_times;
 mod outcome;
 pub mod snapshot;
+pub mod stable;
 mod way;
 
 pub use outcome::{Compared, LawOutcome, Outcome};
@@ -94,6 +95,13 @@ impl<'s, P: CatalogPrecision> Ready<'s, P> {
             past_the_end(scene, &engine, &course)?;
         }
         Ok(Self { scene, engine, course, targets: targets.unwrap_or_default(), resumed: resume.is_some() })
+    }
+
+    /// In words, that the step is longer than the integrator bears at the start; `None` where it is not, or not known.
+    pub fn too_long(&mut self) -> Option<String> {
+        let stable = stable::longest(&mut self.engine)?;
+        let step = self.course.step.min(self.course.end - self.engine.time());
+        stable::too_long(self.engine.integrator().name(), step, &stable)
     }
 
     /// Runs to the end.

@@ -99,7 +99,14 @@ impl Findings {
             };
             answers.insert(case.clone(), told);
         }
-        let refused = |refusal: &Refusal| json!({ "case": refusal.case, "integrator": refusal.integrator, "reason": refusal.reason });
+        let refused = |refusal: &Refusal| {
+            json!({
+                "case": refusal.case,
+                "integrator": refusal.integrator,
+                "longer_steps": refusal.longer_steps,
+                "reason": refusal.reason,
+            })
+        };
         json!({
             "runs": self.runs.iter().map(run).collect::<Vec<_>>(),
             "best": best,

@@ -4,7 +4,8 @@
 //! them. Never: a run that an earlier study has already made, where its runs are given.
 //!
 //! Integrators of high order go first: one of low order is followed as long as it may still win, and not through minutes of
-//! steps in which another one is ten times as fast.
+//! steps in which another one is ten times as fast. Steps at which an explicit integrator is not stable at the start are
+//! refused.
 
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -13,7 +14,8 @@ use vesper::prelude::*;
 
 use super::measure::{Method, Patience, Run, Setting, answer, measure};
 use super::problem::Problem;
-use crate::assemble::integrators::{INTEGRATORS, NamedIntegrator, integrator};
+use crate::assemble::integrators::{NamedIntegrator, integrator, methods};
+use crate::run::stable;
 use crate::scene::Precision as Numbers;
 
 /// What is asked for.
@@ -42,7 +44,7 @@ impl Grid {
     /// All integrators, in f64, where the laws run by themselves; no run of more than `limit` s.
     pub fn of_all(patience: Patience) -> Self {
         Grid {
-            integrators: INTEGRATORS.iter().collect(),
+            integrators: methods().collect(),
             steps: None,
             tolerances: None,
             numbers: vec![Numbers::F64],
@@ -61,6 +63,8 @@ pub struct Refusal {
     pub case: String,
     /// The integrator's name.
     pub integrator: String,
+    /// Whether it is only the longer steps that it cannot take.
+    pub longer_steps: bool,
     /// Why.
     pub reason: String,
 }
@@ -155,7 +159,7 @@ impl Grid {
                     });
                     if let Err(reason) = done {
                         let (case, integrator) = (problem.id.clone(), integrator.name.to_owned());
-                        climb.keeper.refused(Refusal { case, integrator, reason });
+                        climb.keeper.refused(Refusal { case, integrator, longer_steps: false, reason });
                     }
                     climb.keeper.ended();
                 }
@@ -229,12 +233,24 @@ impl Climb<'_> {
         let adaptive = made.is_adaptive();
         let Setting::Step(first) = method.setting else { return Ok(None) };
         let usual = usual(&method);
+        let stable = if adaptive { None } else { method.longest(problem) };
+        let mut told = method.compensated;
         let given = if adaptive { grid.tolerances.is_some() } else { grid.steps.is_some() };
         let resolved = RESOLVED[usize::from(method.numbers == Numbers::F32)];
         let (mut best, mut stalled, mut before) = (f64::INFINITY, 0, 0.0);
         for rung in from.. {
             let Some(setting) = grid.setting(&method, adaptive, first, rung) else { return Ok(None) };
             let method = Method { setting, ..method };
+            if let (Some(stable), Setting::Step(step)) = (&stable, setting)
+                && let Some(text) = stable::too_long(method.integrator.name, step, stable)
+            {
+                // Said once, and not of what comes between: only the state at the start is looked at.
+                if !core::mem::replace(&mut told, true) {
+                    let (case, integrator) = (problem.id.clone(), method.integrator.name.to_owned());
+                    self.keeper.refused(Refusal { case, integrator, longer_steps: true, reason: text });
+                }
+                continue;
+            }
             let run = match self.keeper.made(&problem.id, &method) {
                 Some(run) => run,
                 None if Instant::now() > self.end => {

@@ -14,6 +14,7 @@ use vesper_laws::catalog::CatalogPrecision;
 use super::problem::{Answer, Moment, Problem};
 use crate::assemble::integrators::NamedIntegrator;
 use crate::run::drift::Drift;
+use crate::run::stable;
 use crate::scene::Precision as Numbers;
 
 /// What an integrator is told.
@@ -105,15 +106,45 @@ impl Method {
         }
     }
 
+    /// The options that the integrator is given; `least_scale`: of what is compared.
+    pub(super) fn options(&self, least_scale: f64) -> Vec<(&'static str, f64)> {
+        let Setting::Tolerance(tolerance) = self.setting else { return Vec::new() };
+        let given = self.integrator.options.iter().enumerate().filter_map(|(number, option)| match *option {
+            option if number == 0 => Some((option, tolerance)),
+            "atol" => Some(("atol", tolerance * AT_REST * least_scale)),
+            _ => None,
+        });
+        given.collect()
+    }
+
     fn configure<P: CatalogPrecision>(&self, builder: Builder<P>, least_scale: f64) -> Builder<P> {
-        let first = self.integrator.options.first();
-        let option = |name: &str, usual: f64| match self.setting {
-            Setting::Tolerance(tolerance) if first == Some(&name) => tolerance,
-            Setting::Tolerance(tolerance) if name == "atol" => tolerance * AT_REST * least_scale,
-            _ => usual,
+        let options = self.options(least_scale);
+        let option = |name: &str, usual: f64| {
+            options.iter().find(|(option, _)| *option == name).map_or(usual, |(_, value)| *value)
         };
         let builder = builder.boxed_integrator((self.integrator.make)(&option)).backend(self.backend);
         if self.compensated { builder.compensated() } else { builder }
+    }
+
+    /// Where a problem ends, and the time of one evaluation of its laws, in s.
+    pub(super) fn end(&self, problem: &Problem, patience: &Patience) -> Result<(Moment, f64), String> {
+        let went = self.go(problem, patience, false)?;
+        let mut each = went.wall / went.evaluations.max(1) as f64;
+        if went.wall < SHORT[0].0 {
+            for _ in 1..SHORT[0].1 {
+                each = each.min(self.go(problem, patience, false)?.wall / went.evaluations.max(1) as f64);
+            }
+        }
+        match (went.broke, went.moments.into_iter().next_back()) {
+            (None, Some(end)) => Ok((end, each)),
+            (broke, _) => Err(broke.unwrap_or_else(|| "it does not come to the end".to_owned())),
+        }
+    }
+
+    /// How long a step of its integrator may be at the start of a problem, where that is known.
+    pub(super) fn longest(&self, problem: &Problem) -> Option<StableStep> {
+        let mut engine = problem.engine::<f64>(|builder| self.configure(builder, 0.0)).ok()?;
+        stable::longest(&mut engine)
     }
 
     /// Goes through a problem once; `looks`: whether at what should be kept.
@@ -125,9 +156,7 @@ impl Method {
     }
 
     fn go_as<P: CatalogPrecision>(&self, problem: &Problem, patience: &Patience, looks: bool) -> Result<Went, String> {
-        let scales = problem.answer.as_ref().map_or(&[][..], |answer| &answer.scales);
-        let least_scale = scales.iter().copied().reduce(f64::min).unwrap_or(0.0);
-        let mut engine = problem.engine::<P>(|builder| self.configure(builder, least_scale))?;
+        let mut engine = problem.engine::<P>(|builder| self.configure(builder, problem.least_scale()))?;
         let stop = Arc::new(AtomicBool::new(false));
         engine.stop_on(Some(stop.clone()));
         let mut went = Went {
@@ -188,9 +217,14 @@ impl Method {
     }
 }
 
+/// How many steps of at most this length there are in a way.
+pub(super) fn whole(way: f64, step: f64) -> f64 {
+    (way / step - 1e-9).ceil().max(1.0)
+}
+
 /// Steps of one length, a whole number of them to the end of the way; in pieces, so that somebody can stop it.
 fn fixed<P: CatalogPrecision>(engine: &mut Engine<P>, way: f64, step: f64, stop: &AtomicBool) -> Result<(), Faults> {
-    let count = (way / step - 1e-9).ceil().max(1.0);
+    let count = whole(way, step);
     let (mut left, length) = (count as u64, way / count);
     let mut piece = 16;
     while left > 0 && !stop.load(Ordering::Relaxed) {

@@ -3,8 +3,9 @@
 //! In: a [`Case`] or a [`Scene`]. Out: engines for any method, the times at which states are compared, the numbers that
 //! are compared, and how far they are from an answer. Never: a choice that knows a case.
 
+use vesper::law::Mode;
 use vesper::prelude::*;
-use vesper_laws::catalog::CatalogPrecision;
+use vesper_laws::catalog::{CatalogPrecision, stock_law};
 
 use super::case::Case;
 use super::setup;
@@ -36,6 +37,8 @@ pub struct Problem {
     pub step: Option<f64>,
     /// What no motion changes; without, all that there is.
     pub conserved: Option<Vec<String>>,
+    /// Laws that are switched off, by their labels.
+    pub off: Vec<String>,
     source: Source,
 }
 
@@ -81,6 +84,7 @@ impl Problem {
             answer: Some(answer),
             step: None,
             conserved: case.conserved.clone(),
+            off: Vec::new(),
             source: Source::Case(Box::new(case)),
         }
     }
@@ -133,6 +137,7 @@ impl Problem {
             answer: None,
             step: scene.engine.step.as_ref().map(|step| step.value),
             conserved: None,
+            off: Vec::new(),
             source: Source::Scene(Box::new(scene)),
         })
     }
@@ -142,6 +147,46 @@ impl Problem {
     pub fn without_answer(mut self) -> Self {
         self.answer = None;
         self
+    }
+
+    /// The least of what errors are measured by; 0 where there is no answer.
+    pub(super) fn least_scale(&self) -> f64 {
+        let scales = self.answer.as_ref().map_or(&[][..], |answer| &answer.scales);
+        scales.iter().copied().reduce(f64::min).unwrap_or(0.0)
+    }
+
+    /// The step, in s, that a run with steps of at most this length takes on the way to the first comparison.
+    pub(super) fn whole_step(&self, step: f64) -> f64 {
+        let way = self.times.first().map_or(step, |first| first - self.start);
+        way / super::measure::whole(way, step)
+    }
+
+    /// The same problem with a law switched off.
+    #[must_use]
+    pub fn without_law(&self, label: &str) -> Self {
+        let mut without = self.clone();
+        without.off.push(label.to_owned());
+        without
+    }
+
+    /// Whether the law of this label gives rates, so that nothing would move without it.
+    pub(super) fn gives_rates(&self, label: &str) -> bool {
+        let law = self.scene().and_then(|scene| scene.laws.iter().find(|law| law.called() == label));
+        let stock = law.and_then(|law| stock_law(&law.name.value));
+        stock.is_some_and(|stock| stock.signature.ports.iter().any(|port| port.mode == Mode::Rates))
+    }
+
+    /// What a row is called, or its number.
+    pub(super) fn row_name(&self, quantity: &str, row: usize) -> String {
+        let domain = quantity.split_once('.').and_then(|(domain, _)| self.scene()?.domain(domain));
+        let label = domain.and_then(|domain| domain.labels.as_ref()?.get(row).cloned());
+        label.unwrap_or_else(|| format!("row {row}"))
+    }
+
+    /// The unit of a quantity.
+    pub(super) fn unit(&self, quantity: &str) -> String {
+        let name = quantity.rsplit('.').next().unwrap_or_default();
+        crate::assemble::properties::known(name).map_or(String::new(), |property| property.unit.to_owned())
     }
 
     /// The scene, where it is one.
@@ -173,7 +218,15 @@ impl Problem {
                 configure(assemble::builder::<P>(scene).map_err(texts)?).build()
             }
         };
-        built.map_err(|faults| faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))
+        let texts = |faults: Faults| faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
+        let mut engine = built.map_err(texts)?;
+        if !self.off.is_empty() {
+            for law in &self.off {
+                engine.enable(law, false).map_err(|fault| fault.to_string())?;
+            }
+            engine.refresh().map_err(texts)?;
+        }
+        Ok(engine)
     }
 
     /// The compared numbers of an engine as it is; `None` where it does not have them.

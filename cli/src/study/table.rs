@@ -55,24 +55,27 @@ pub fn choice(findings: &Findings, problem: &Problem, budget: &Budget) -> String
 
 /// Who cannot do what: integrators that refuse the same problems, in one line.
 fn refusals(findings: &Findings, text: &mut String) {
-    let mut integrators: Vec<(&str, Vec<&str>, &str)> = Vec::new();
+    let mut integrators: Vec<((&str, bool), Vec<&str>, &str)> = Vec::new();
     for refusal in &findings.refusals {
-        match integrators.iter_mut().find(|(name, ..)| *name == refusal.integrator) {
+        let who = (refusal.integrator.as_str(), refusal.longer_steps);
+        match integrators.iter_mut().find(|(known, ..)| *known == who) {
             Some((_, cases, _)) => cases.push(&refusal.case),
-            None => integrators.push((&refusal.integrator, vec![&refusal.case], &refusal.reason)),
+            None => integrators.push((who, vec![&refusal.case], &refusal.reason)),
         }
     }
-    while let Some((_, cases, reason)) = integrators.first().cloned() {
+    while let Some(((_, longer), cases, reason)) = integrators.first().cloned() {
+        let same = |(_, also): (&str, bool), others: &[&str]| also == longer && others == cases;
         let names: Vec<&str> =
-            integrators.iter().filter(|(_, others, _)| *others == cases).map(|(name, ..)| *name).collect();
-        integrators.retain(|(_, others, _)| *others != cases);
+            integrators.iter().filter(|(who, others, _)| same(*who, others)).map(|((name, _), ..)| *name).collect();
+        integrators.retain(|(who, others, _)| !same(*who, others));
+        let steps = if longer { " with longer steps" } else { "" };
         let of = if findings.answers.len() == 1 {
             String::new()
         } else {
             format!(" for {} of {} cases ({})", cases.len(), findings.answers.len(), cases.join(", "))
         };
         // Writing to a string cannot fail.
-        _ = writeln!(text, "\nno {}{of}: {reason}", names.join(", "));
+        _ = writeln!(text, "\nno {}{steps}{of}: {reason}", names.join(", "));
     }
 }
 

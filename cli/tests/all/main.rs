@@ -7,4 +7,5 @@ mod names;
 mod references;
 mod scene;
 mod scene_mistakes;
+mod stable;
 mod study;

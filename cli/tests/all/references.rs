@@ -67,6 +67,25 @@ fn a_fixed_step_is_as_good_as_its_order() {
 }
 
 #[test]
+fn planets_go_in_steps_of_months_by_the_splitting_for_them() {
+    let cases = cases();
+    let case = |id: &str| cases.iter().find(|case| case.id == id).unwrap();
+    let error =
+        |integrator: &str, step: f64| run(case("outer_solar_system"), integrator, Setting::Step(step)).error.unwrap();
+    let (plain, high, fine) =
+        (error("wisdom_holman", 200.0), error("wisdom_holman_high", 200.0), error("wisdom_holman_high", 50.0));
+    println!("200 days: {plain:.1e}, corrected {high:.1e}; 50 days, corrected: {fine:.1e}");
+    assert!(plain < 2e-4 && high < 1e-8 && fine < 1e-10, "{plain} {high} {fine}");
+    // Where nothing pulls as Newton says there is a reason, not a run.
+    let known = integrator("wisdom_holman").unwrap();
+    let (setting, numbers) = (Setting::Step(0.1), Numbers::F64);
+    let method = Method { integrator: known, setting, numbers, compensated: false, backend: Backend::Auto };
+    let problem = Problem::of_case(case("henon_heiles_chaotic").clone());
+    let reason = measure(&problem, &method, &Patience { limit: 600.0, ..Patience::default() }).unwrap_err();
+    assert!(reason.contains("wisdom_holman needs"), "{reason}");
+}
+
+#[test]
 fn an_integrator_that_breaks_has_an_infinite_error() {
     let cases = cases();
     let stiff = cases.iter().find(|case| case.id == "stiff_drag").unwrap();

@@ -131,3 +131,67 @@ fn mistakes_are_told_all_at_once_and_nothing_runs() {
     let expected = "--of bodies.mass: the scene does not show it; it shows bodies.position, bodies.velocity";
     assert!(done.status == 2 && done.stderr.contains(expected), "{}", done.stderr);
 }
+
+#[test]
+fn each_law_is_switched_off_in_turn() {
+    let folder = Scratch::new("study-laws");
+    let scene = folder.write(
+        "damped.toml",
+        &SPRING.replace("[[laws]]", "").replace("name = \"motion\"", "").replace(
+            "name = \"spring\"",
+            r#"
+[constants]
+gravity = [0, 0, -1e-9]
+[[laws]]
+name = "motion"
+[[laws]]
+name = "spring"
+[[laws]]
+name = "uniform_gravity"
+"#,
+        ),
+    );
+    let told = done(["study", &scene, "--laws", "--of", "bodies.position", "--json"]).json();
+    let law = |name: &str| told["laws"].as_array().unwrap().iter().find(|law| law["law"] == name).unwrap().clone();
+    assert_eq!(law("motion")["verdict"], "stays");
+    // Without the spring both fly on at the speeds that they have: the lighter one is 0.2 m on its way, after 2 s.
+    let spring = law("spring");
+    assert!(spring["verdict"] == "needed" && spring["change"].as_f64().unwrap() > 0.1, "{spring}");
+    // g t^2 / 2, which is less than the error of leapfrog with the scene's step.
+    let gravity = law("uniform_gravity");
+    assert!((gravity["change"].as_f64().unwrap() / 2e-9 - 1.0).abs() < 1e-3, "{gravity}");
+    assert!(gravity["verdict"] == "below_step" && gravity["unit"] == "m", "{gravity}");
+    let words = done(["study", &scene, "--laws", "--of", "bodies.position", "--error", "1e-10"]).stdout;
+    assert!(words.contains("2 nm of row") && words.contains("needed"), "{words}");
+    let words = done(["study", &scene, "--laws", "--of", "bodies.position", "--error", "1e-6"]).stdout;
+    assert!(words.contains("can be dropped: less than 1e-6"), "{words}");
+}
+
+#[test]
+fn a_choice_is_written_into_its_scene_which_then_meets_the_error() {
+    let folder = Scratch::new("study-write");
+    let commented = SPRING.replace("step = 0.01", "step = 0.01   # as it was").replace("[engine]", "# how\n[engine]");
+    for (asked, key) in
+        [("symplectic_6", "integrator = \"symplectic_6\""), ("dormand_prince_8", "{ name = \"dormand_prince_8\"")]
+    {
+        let scene = folder.write("spring.toml", &commented);
+        let study = ["study", &scene, "--integrators", asked, "--limit", "0.05", "--error", "1e-7", "--write"];
+        let words = done(study).stdout;
+        assert!(words.contains("written into") && words.contains(key), "{words}");
+        let text = folder.read("spring.toml");
+        assert!(text.contains(key) && text.contains("# as it was") && text.contains("# how\n[engine]"), "{text}");
+        let position = |more: &[&str]| -> Vec<f64> {
+            let told = done(["run", &scene, "--json"].iter().chain(more)).json();
+            let rows = told["domains"]["bodies"]["position"].as_array().unwrap().clone();
+            rows.iter().flat_map(|row| row.as_array().unwrap().iter().map(|x| x.as_f64().unwrap())).collect()
+        };
+        let (chosen, exact) = (position(&[]), position(&["--integrator", "gauss_radau_15"]));
+        let off = chosen.iter().zip(&exact).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-7 && off > 0.0, "{asked}: {off:e}");
+    }
+    // Nothing meets it: nothing is changed.
+    let scene = folder.write("spring.toml", &commented);
+    let study = ["study", &scene, "--integrators", "leapfrog", "--limit", "0.05", "--error", "1e-30", "--write"];
+    assert!(done(study).stdout.contains("is left as it is"));
+    assert_eq!(folder.read("spring.toml"), commented);
+}

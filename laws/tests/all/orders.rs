@@ -70,6 +70,8 @@ fn any_laws(problem: &impl Problem, end: f64) {
         (2, measured(problem, Midpoint, end, 1000)),
         (2, measured(problem, Leapfrog::default(), end, 1000)),
         (4, measured(problem, RungeKutta4, end, 400)),
+        (1, measured(problem, ImplicitEuler::default(), end, 4000)),
+        (2, measured(problem, ImplicitMidpoint::default(), end, 1000)),
         (5, fitted(problem, DormandPrince5::new(LOOSE), end, 1e-12..1e-9)),
     ];
     check(problem, &orders);
@@ -154,4 +156,45 @@ fn with_momentum_as_the_state() {
         }
     }
     any_laws(&Fast, 1.0);
+    let turning =
+        [(2, measured(&Fast, Boris::default(), 1.0, 1000)), (2, measured(&Fast, HigueraCary::default(), 1.0, 1000))];
+    check(&Fast, &turning);
+}
+
+#[test]
+fn of_a_charge_in_crossed_fields() {
+    /// From rest, with q E / m = 0.3 along x and q B / m = 1 along z: a cycloid.
+    struct Crossed;
+    impl Problem for Crossed {
+        fn name(&self) -> String {
+            "crossed_fields".to_owned()
+        }
+        fn setup<P: Precision>(&self, builder: Builder<P>) -> Builder<P> {
+            use vesper_laws::{ElectricForce, MagneticForce, Motion};
+            let bodies = Domain::new("bodies")
+                .with(Position, [[0.0; 3]])
+                .with(Velocity, [[0.0; 3]])
+                .with(Mass, [1.0])
+                .with(Charge, [1.0]);
+            let builder = builder.domain(bodies).field(ElectricField, Uniform { value: [0.3, 0.0, 0.0] });
+            let builder = builder.field(MagneticField, Uniform { value: [0.0, 0.0, 1.0] });
+            builder.law(ElectricForce).law(MagneticForce).law(Motion)
+        }
+        fn exact(&self, time: f64) -> Option<Vec<vesper_laws::reference::Phase>> {
+            // Landau, Lifshitz, The Classical Theory of Fields, 4th ed., eq. 22.5 to 22.7.
+            let (sine, cosine) = time.sin_cos();
+            let position = DVec3::new(1.0 - cosine, sine - time, 0.0) * 0.3;
+            Some(vec![vesper_laws::reference::Phase { position, velocity: DVec3::new(sine, cosine - 1.0, 0.0) * 0.3 }])
+        }
+        fn times(&self) -> Vec<f64> {
+            vec![4.0]
+        }
+    }
+    any_laws(&Crossed, 4.0);
+    let turning = [
+        (2, measured(&Crossed, Boris::default(), 4.0, 1000)),
+        (2, measured(&Crossed, HigueraCary::default(), 4.0, 1000)),
+        (8, fitted(&Crossed, Boris8::default(), 4.0, 3e-13..1e-9)),
+    ];
+    check(&Crossed, &turning);
 }

@@ -3,6 +3,7 @@
 //! With threads the shares are stored first, and every row gathers its own in that same order: the same bits.
 
 use super::pointers::{MAX_SLOTS, first_output, slot_count, slots_at};
+use super::tangent::{self, TangentCall};
 use super::within::Within;
 use super::{Compiled, Kernel};
 use crate::law::{Declared, LinkFamily, LinkLaw, Place, Signature, Sink, Source};
@@ -38,6 +39,11 @@ pub(crate) trait LinkKernel<P>: Send + Sync {
     /// Every slot is null where its port is absent, or reaches all rows; ends are rows of the target domain; nobody
     /// else touches what is added to, or the shares of links `from..to`.
     unsafe fn run(&self, isa: Isa, call: &LinkCall<'_, P>);
+    /// Runs the body over dual numbers.
+    ///
+    /// # Safety
+    /// The call keeps its promises.
+    unsafe fn tangent(&self, call: &TangentCall<'_, P>);
     /// The energy of all links, where the law knows it.
     ///
     /// # Safety
@@ -82,6 +88,11 @@ impl<P: Scalar, F: LinkFamily<N>, const N: usize> LinkKernel<P> for OfArity<F, N
         // SAFETY: the caller promises the same.
         P::with_lanes(isa, unsafe { Task::<P, F, N>::new(&self.0, call) });
     }
+    unsafe fn tangent(&self, call: &TangentCall<'_, P>) {
+        // SAFETY: the caller promises the same.
+        unsafe { tangent::links(&self.0, call) }
+    }
+
     unsafe fn energy(&self, call: &LinkCall<'_, P>) -> Option<f64> {
         if !F::ENERGY {
             return None;

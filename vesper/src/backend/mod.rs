@@ -10,6 +10,7 @@ mod link;
 mod pair;
 mod pointers;
 mod row;
+mod tangent;
 mod within;
 
 pub use column::column;
@@ -22,6 +23,7 @@ pub(crate) use link::{LinkCall, LinkKernel, Strided};
 pub(crate) use pair::{PairCall, PairKernel};
 pub(crate) use pointers::{MAX_SLOTS, row_of, wants};
 pub(crate) use row::{AHEAD, RowCall, RowKernel};
+pub(crate) use tangent::{DualReach, Reach, TangentCall};
 
 use crate::law::{Shape, Signature};
 use crate::real::{InPrecision, Scalar};

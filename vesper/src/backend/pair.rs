@@ -6,6 +6,7 @@
 use super::pointers::{
     MAX_SLOTS, Rows, RowsMut, SUMS, Slots, Splat, StoreAll, Sums, first_output, slot_count, slots_at,
 };
+use super::tangent::{self, TangentCall};
 use super::within::Within;
 use super::{Compiled, Kernel};
 use crate::law::{Declared, PairFamily, PairLaw, Place, Signature};
@@ -29,6 +30,11 @@ pub(crate) trait PairKernel<P>: Send + Sync {
     /// Every slot is null where its port is absent, or points to `rows` numbers (one for a constant) that are valid;
     /// nobody else touches rows `from..to` of what the law adds to.
     unsafe fn run(&self, isa: Isa, call: &PairCall<'_, P>);
+    /// Runs the body over dual numbers.
+    ///
+    /// # Safety
+    /// The call keeps its promises.
+    unsafe fn tangent(&self, call: &TangentCall<'_, P>);
     /// The energy of all pairs, where the law knows it.
     ///
     /// # Safety
@@ -57,6 +63,11 @@ impl<P: Scalar, F: PairFamily> PairKernel<P> for F {
     unsafe fn run(&self, isa: Isa, call: &PairCall<'_, P>) {
         // SAFETY: the caller promises the same.
         P::with_lanes(isa, unsafe { Task::new(self, call) });
+    }
+
+    unsafe fn tangent(&self, call: &TangentCall<'_, P>) {
+        // SAFETY: the caller promises the same.
+        unsafe { tangent::pairs(self, call) }
     }
 
     unsafe fn energy(&self, call: &PairCall<'_, P>) -> Option<f64> {

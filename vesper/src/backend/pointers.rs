@@ -246,6 +246,13 @@ impl<P: Copy, R: Lanes<P>, Rule: RateRule> Sink<R> for RowsMut<'_, P, R, Rule> {
         }
     }
     #[inline(always)]
+    fn turn(&mut self, slot: usize, value: R) {
+        // Most runs want none.
+        if !self.slots.pointers[slot].is_null() {
+            self.add(slot, value);
+        }
+    }
+    #[inline(always)]
     fn rate(&mut self, coordinate: bool, slot: usize, value: R) {
         let wanted = match Rule::PART {
             Part::All => true,

@@ -4,6 +4,7 @@ use super::pointers::{
     AdvanceAll, AdvanceCoordinates, AdvanceMomenta, KickDrift, RateRule, Rows, RowsMut, Slots, StoreAll,
     StoreCoordinates, StoreFirst, StoreMomenta, slot_count, slots_at, wants,
 };
+use super::tangent::{self, TangentCall};
 use super::within::Within;
 use super::{Compiled, Kernel};
 use crate::law::{Declared, Mode, Part, Place, RowFamily, RowLaw, Signature, Source};
@@ -43,6 +44,11 @@ pub(crate) trait RowKernel<P>: Send + Sync {
     /// Every slot is null where its port is absent, or points to `rows` numbers (one for a constant) that are valid,
     /// and that nobody else touches where the port writes.
     unsafe fn run(&self, isa: Isa, call: &RowCall<'_, P>);
+    /// Runs the body over dual numbers.
+    ///
+    /// # Safety
+    /// The call keeps its promises.
+    unsafe fn tangent(&self, call: &TangentCall<'_, P>);
     /// The energy of the rows, where the law knows it.
     ///
     /// # Safety
@@ -112,6 +118,11 @@ impl<P: Scalar, F: RowFamily> RowKernel<P> for F {
         };
         // SAFETY: the caller promises the same.
         unsafe { run(self, isa, call) }
+    }
+
+    unsafe fn tangent(&self, call: &TangentCall<'_, P>) {
+        // SAFETY: the caller promises the same.
+        unsafe { tangent::rows(self, call) }
     }
 
     unsafe fn energy(&self, call: &RowCall<'_, P>) -> Option<f64> {

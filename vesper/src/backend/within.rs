@@ -78,7 +78,7 @@ const fn use_of(port: &Port) -> Use {
         Mode::Adds => Use::Add,
         Mode::Rates => match port.property.role {
             Role::Coordinate => Use::Drift,
-            Role::Momentum(_) | Role::Plain | Role::Switch | Role::Sum { .. } => Use::Kick,
+            Role::Momentum(_) | Role::Plain | Role::Switch | Role::Sum { .. } | Role::Turn { .. } => Use::Kick,
         },
     }
 }
@@ -142,6 +142,11 @@ impl<R: Real, K: Sink<R>, F: Law> Sink<R> for Within<K, F> {
     fn add(&mut self, slot: usize, value: R) {
         Self::check(slot, Use::Add);
         self.inner.add(slot, value);
+    }
+    #[inline(always)]
+    fn turn(&mut self, slot: usize, value: R) {
+        Self::check(slot, Use::Add);
+        self.inner.turn(slot, value);
     }
     #[inline(always)]
     fn rate(&mut self, coordinate: bool, slot: usize, value: R) {

@@ -183,6 +183,13 @@ impl<P: Scalar> Engine<P> {
             let Err(found) = self.take(1, step) else { continue };
             self.go_back(before);
             let law = self.first_law();
+            let stable = if law.is_none() { self.stable_step().ok().flatten() } else { None };
+            let limit = stable.filter(|stable| step > stable.usable).map_or_else(String::new, |stable| {
+                let (name, longest) = (self.integrator.name(), stable.usable);
+                format!(
+                    ", and {name} is stable there up to {longest:.3e} s, or take implicit_midpoint or implicit_euler"
+                )
+            });
             return reworded(found, |drivers| match &law {
                 Some((law, hint)) => {
                     format!(
@@ -190,8 +197,8 @@ impl<P: Scalar> Engine<P> {
                     )
                 }
                 None => format!(
-                    "all laws are finite at the start of the step, so {step:?} s is too long for it: {drivers}; the state is \
-                     that before the step"
+                    "all laws are finite at the start of the step, so {step:?} s is too long for it: {drivers}{limit}; the state \
+                     is that before the step"
                 ),
             });
         }

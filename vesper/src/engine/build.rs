@@ -343,22 +343,21 @@ impl<P: Scalar> Builder<P> {
             Ok(state) => state,
             Err(more) => return Err(more.after(faults)),
         };
-        let pipeline = Pipeline::new(
-            &self.laws,
-            &self.chains,
-            &mut state,
-            &*self.integrator,
-            &self.observe,
-            self.settings,
-            &machine,
-        );
+        let mut integrator = self.integrator;
+        let (laws, chains, observe) = (&self.laws, &self.chains, &self.observe);
+        let mut composed = |integrator: &dyn Integrator| {
+            Pipeline::new(laws, chains, &mut state, integrator, observe, self.settings, &machine)
+        };
+        let mut pipeline = composed(&*integrator);
+        if pipeline.as_ref().is_ok_and(|pipeline| integrator.suit(&pipeline.structure)) {
+            pipeline = composed(&*integrator);
+        }
         let pipeline = match pipeline {
             Ok(pipeline) => Faults::unless_empty(faults, pipeline)?,
             Err(more) => return Err(more.after(faults)),
         };
         log_changes(&Report::default(), &pipeline.registry.report);
         let time = state.time().to_f64();
-        let mut integrator = self.integrator;
         if let Some(step) = self.step {
             integrator.set_first_step(step);
         }
@@ -377,6 +376,7 @@ impl<P: Scalar> Builder<P> {
             remainder: 0.0,
             steps: 0,
             evaluations: 0,
+            derivatives: 0,
             tried: [0; 2],
             clock: Clock { time, since: 0, step: 0.0 },
             touched: false,

@@ -7,6 +7,7 @@ mod blow_up;
 mod build;
 mod checkpoint;
 mod lent;
+mod stable;
 
 pub use build::{Builder, Configure, Configured, Listing};
 pub use checkpoint::{Checkpoint, ColumnData, DomainData};
@@ -38,6 +39,7 @@ pub struct Engine<P: Scalar> {
     remainder: f64,
     steps: u64,
     evaluations: u64,
+    derivatives: u64,
     /// Steps that an adaptive integrator gave up, and those that it kept.
     tried: [u64; 2],
     /// Time at step `since`, from which steps are counted, so that the time does not gather rounding errors.
@@ -183,7 +185,7 @@ impl<P: Scalar> Engine<P> {
         }
         let (clock, first) = (self.clock, self.steps);
         let integrator = &mut self.integrator;
-        let (steps, time, evaluations, tried, done) = with_runner(
+        let (steps, time, asked, tried, done) = with_runner(
             &mut self.pipeline,
             &self.state,
             (&self.laws, &self.chains, &self.machine),
@@ -191,7 +193,8 @@ impl<P: Scalar> Engine<P> {
             |runner| {
                 let mut done = Ok(());
                 let splits = runner.pipeline.switches.any() && !integrator.is_adaptive();
-                for _ in 0..count {
+                for taken in 0..count {
+                    runner.ahead = count - taken;
                     done = match splits {
                         true => split(&mut **integrator, runner, step, Runner::again),
                         false => integrator.step(runner, step),
@@ -202,6 +205,10 @@ impl<P: Scalar> Engine<P> {
                     runner.step += 1;
                     runner.set_time(clock.at(runner.step));
                     if runner.pipeline.amends {
+                        done = integrator.finish(runner);
+                        if done.is_err() {
+                            break;
+                        }
                         runner.run(Key::Amend);
                         // The state moved after the rates that the integrator remembers.
                         integrator.restart();
@@ -209,14 +216,17 @@ impl<P: Scalar> Engine<P> {
                         runner.pipeline.switches.holds = false;
                     }
                 }
+                done = done.and_then(|()| integrator.finish(runner));
                 if runner.pipeline.observes {
                     runner.run(Key::Observe);
                 }
-                (runner.step, runner.time, runner.evaluations, runner.tried, done)
+                let asked = [runner.evaluations, runner.derivatives];
+                (runner.step, runner.time, asked, runner.tried, done)
             },
         )?;
         self.steps = steps;
-        self.evaluations += evaluations;
+        self.evaluations += asked[0];
+        self.derivatives += asked[1];
         self.tried = [self.tried[0] + tried[0], self.tried[1] + tried[1]];
         if let Err(fault) = done {
             // It may have come some way.
@@ -314,6 +324,12 @@ impl<P: Scalar> Engine<P> {
     /// How often the laws were evaluated.
     pub fn evaluations(&self) -> u64 {
         self.evaluations
+    }
+
+    /// How often the derivative of all rates along a direction was asked for: for an implicit integrator, as often as its linear
+    /// solver took an iteration, and once or more for each step.
+    pub fn derivatives(&self) -> u64 {
+        self.derivatives
     }
 
     /// Steps that an adaptive integrator gave up, and those that it kept; both 0 for others.

@@ -50,6 +50,17 @@ impl Graph {
 
     /// The seats that are needed for these quantities, in order.
     pub(crate) fn makers(&self, wanted: &[QuantityId], entries: &[Entry], registry: &Registry) -> Vec<usize> {
+        self.makers_by(wanted, &|_| u64::MAX, entries, registry)
+    }
+
+    /// The same, where each seat looks only at some of its ports, one bit each.
+    fn makers_by(
+        &self,
+        wanted: &[QuantityId],
+        mask: &dyn Fn(usize) -> u64,
+        entries: &[Entry],
+        registry: &Registry,
+    ) -> Vec<usize> {
         let mut needed = vec![false; registry.seats.len()];
         let mut open: Vec<QuantityId> = wanted.to_vec();
         let mut seen = vec![false; registry.quantities.len()];
@@ -61,7 +72,7 @@ impl Graph {
                 let signature = &entries[seat.law].signature;
                 if !needed[index] && outputs(signature, seat).any(|(mode, id)| id == quantity && computes(mode)) {
                     needed[index] = true;
-                    open.extend(inputs(signature, seat, u64::MAX));
+                    open.extend(inputs(signature, seat, mask(index)));
                 }
             }
             open.extend(start_of(quantity, registry));
@@ -99,25 +110,37 @@ impl Graph {
         (amenders, needs)
     }
 
-    /// A momentum that the rates of the momenta depend on: a force that depends on the velocity.
-    pub(crate) fn momenta_depend_on_momentum(&self, entries: &[Entry], registry: &Registry) -> Option<QuantityId> {
-        let needs = self.all_needs(Part::Momenta, entries, registry);
+    /// A momentum that the rates of the momenta depend on: a force that depends on the velocity. `mask`: the ports that
+    /// each seat looks at, one bit each.
+    pub(crate) fn momenta_depend_on_momentum(
+        &self,
+        mask: &dyn Fn(usize) -> u64,
+        entries: &[Entry],
+        registry: &Registry,
+    ) -> Option<QuantityId> {
+        let needs = self.all_needs(Part::Momenta, mask, entries, registry);
         needs.into_iter().find(|&id| matches!(registry.quantities[id].info.role, Role::Momentum(_)))
     }
 
     /// What the rates of the coordinates depend on besides momenta: a coordinate, or the time.
     pub(crate) fn coordinates_depend_on(&self, entries: &[Entry], registry: &Registry) -> Option<QuantityId> {
-        self.all_needs(Part::Coordinates, entries, registry).into_iter().find(|&id| {
+        self.all_needs(Part::Coordinates, &|_| u64::MAX, entries, registry).into_iter().find(|&id| {
             let info = registry.quantities[id].info;
             matches!(info.role, Role::Coordinate) || info.name == Time::NAME && registry.quantities[id].domain == 0
         })
     }
 
     /// What the rates of a part depend on, through all laws between.
-    fn all_needs(&self, part: Part, entries: &[Entry], registry: &Registry) -> Vec<QuantityId> {
+    fn all_needs(
+        &self,
+        part: Part,
+        mask: &dyn Fn(usize) -> u64,
+        entries: &[Entry],
+        registry: &Registry,
+    ) -> Vec<QuantityId> {
         let (_, mut needs) = self.raters(part, entries, registry);
-        for seat in self.makers(&needs, entries, registry) {
-            needs.extend(inputs(&entries[registry.seats[seat].law].signature, &registry.seats[seat], u64::MAX));
+        for seat in self.makers_by(&needs, mask, entries, registry) {
+            needs.extend(inputs(&entries[registry.seats[seat].law].signature, &registry.seats[seat], mask(seat)));
         }
         needs
     }

@@ -6,7 +6,7 @@
 //!
 //! Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., I.1.4, eq. 1.17.
 
-use super::{Integrator, Structure, System};
+use super::{Integrator, StableLimits, Structure, System};
 use crate::error::Fault;
 use crate::law::Part;
 
@@ -21,6 +21,10 @@ impl Integrator for DriftKickDrift {
 
     fn order(&self) -> u32 {
         2
+    }
+
+    fn stable_limits(&self, _second_order: bool) -> Option<StableLimits> {
+        Some(StableLimits { oscillation: 2.0, decay: 2.0, kicks: true })
     }
 
     fn accept(&self, structure: &Structure) -> Result<(), Fault> {

@@ -5,7 +5,7 @@
 //!
 //! Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed., I.7, eq. 7.3.
 
-use super::{Integrator, System};
+use super::{Integrator, StableLimits, System};
 use crate::error::Fault;
 use crate::law::Part;
 
@@ -20,6 +20,11 @@ impl Integrator for ExplicitEuler {
 
     fn order(&self) -> u32 {
         1
+    }
+
+    // |1 + z| <= 1
+    fn stable_limits(&self, _second_order: bool) -> Option<StableLimits> {
+        Some(StableLimits { oscillation: 0.0, decay: 2.0, kicks: false })
     }
 
     fn step(&mut self, system: &mut dyn System, step: f64) -> Result<(), Fault> {

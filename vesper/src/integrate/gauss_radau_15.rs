@@ -9,6 +9,9 @@
 //! Where the rate of every coordinate is its momentum (Motion) only the momenta have polynomials, and coordinates are
 //! their second integrals: fewer rounds, since they need not wait for them.
 //!
+//! Each round closes what the one before left open by a factor that two of them show, 1e-5 where the precision is the usual one;
+//! the last round is the one after which nothing is left that could add up, or that the error of the step would hide.
+//!
 //! The step is chosen so that the highest term of the polynomial, at the end of the step, is a given part of the largest
 //! rate on the way, row by row. (The source compares with the rate at one time, which asks for a step of length zero where
 //! the only rate passes through zero, as an oscillator's does; ratios of derivatives do the same where a force begins with
@@ -18,7 +21,7 @@
 //! are kept as rates, not as their divided differences: the same polynomial, one sum less for each place.
 
 use super::adaptive::{Span, Steps};
-use super::gauss_radau_table::{AT, HIGHEST, NODES, ONCE, REST, TWICE};
+use super::gauss_radau_table::{AT, AT_REST, HIGHEST, NODES, ONCE, REST, TWICE};
 use super::jump::{Found, Jump};
 use super::{Combination, Integrator, Register, Structure, System, Term};
 use crate::error::Fault;
@@ -59,8 +62,13 @@ const START: Register = Register::Work(0);
 const SUM: Register = Register::Work(1);
 /// Rounds after which a step is given up, and a shorter one tried.
 const ROUNDS: usize = 12;
-/// Changes, in roundings, of a last round: what it leaves has one sign, and adds up over thousands of steps.
-const CLOSED: f64 = 0.02;
+/// What the rounds may leave, in roundings: it has one sign, and adds up over millions of steps.
+const CLOSED: f64 = 1e-5;
+/// What they may leave where the step itself has a larger error: a part of the state, by the power of the precision that the
+/// error of a step goes with.
+const COARSE: f64 = 1e-7;
+/// Changes, in roundings, that are those of the rates themselves where they no longer fall.
+const RATES: f64 = 1.0;
 /// Changes, in roundings, that rates may go on making.
 const STALLED: f64 = 1e4;
 /// Roundings of the state, by the length of a step, up to which the highest term of a rate is no reason for a shorter one.
@@ -209,7 +217,10 @@ impl GaussRadau15 {
 
     /// Rounds of evaluations until the rates no longer change. Whether that was reached.
     fn close(&mut self, system: &mut dyn System, of: Form, time: f64, length: f64) -> bool {
-        let (mut best, mut stalled) = (f64::INFINITY, 0);
+        // A precision that is none leaves the step as it is given, and nothing to hide behind.
+        let coarse = if self.precision < 1.0 { COARSE * self.precision.powf(16.0 / 7.0) } else { 0.0 };
+        let closed = CLOSED.max(coarse / system.epsilon());
+        let (mut best, mut before, mut stalled) = (f64::INFINITY, f64::INFINITY, 0);
         for _ in 0..ROUNDS {
             for (row, at) in AT.iter().skip(1).enumerate() {
                 let kept = rates(self.bank, row + 1);
@@ -222,13 +233,17 @@ impl GaussRadau15 {
                 system.copy(kept, Register::Rates, of.part);
             }
             let change = of.change(system, length);
-            if change < CLOSED {
+            // What a further round would change, if it closed as much as this one.
+            let left = if before.is_finite() { change * (change / before) } else { change };
+            if left < closed {
                 return true;
             }
-            stalled += u32::from(change >= 0.5 * best);
+            before = change;
+            let stays = change >= 0.5 * best;
+            stalled += u32::from(stays);
             best = best.min(change);
             // Rates that are differences of large terms never come to rest; those of too long a step neither.
-            if stalled > 2 || change.is_nan() {
+            if stays && best < RATES || stalled > 2 || change.is_nan() {
                 break;
             }
         }
@@ -287,16 +302,19 @@ struct Form {
 impl Form {
     /// Puts the state at a place of the step, of which `row` has the integrals; the last row has those of the end.
     fn look(self, system: &mut dyn System, length: f64, row: usize, bank: usize) {
-        let place = AT.get(row + 1).unwrap_or(&1.0) * length;
+        let part = if self.follows { Part::Momenta } else { Part::All };
+        if !self.follows || system.momenta_depend_on_momenta() {
+            let weights = ONCE[row].map(|weight| weight * length);
+            // Most of what they leave out is what they would leave out of a rate that stays.
+            let rest = weights.iter().fold(Pair::place(row, length), |left, weight| left.less(*weight));
+            let terms = sum(&ONCE[row], length, bank, [(rest.sum + rest.rest, rates(bank, 0)), (1.0, START)]);
+            system.combine(Register::State, &terms, part);
+        }
         if !self.follows {
-            let terms = sum(&ONCE[row], length, bank, (1.0, START));
-            return system.combine(Register::State, &terms, Part::All);
+            return;
         }
-        if system.momenta_depend_on_momenta() {
-            let terms = sum(&ONCE[row], length, bank, (1.0, START));
-            system.combine(Register::State, &terms, Part::Momenta);
-        }
-        let momenta = sum(&TWICE[row], length * length, bank, (place, START));
+        let place = Pair::place(row, length);
+        let momenta = sum(&TWICE[row], length * length, bank, [(place.sum, START), (place.rest, START)]);
         let (to, part) = (Register::State, Part::Coordinates);
         system.linear(Combination { to, adds: false, part, terms: &[(1.0, START)], momenta: &momenta });
     }
@@ -358,6 +376,34 @@ impl Form {
 }
 
 /// Rates by their weights, and something else behind them.
-fn sum(weights: &[f64; NODES], factor: f64, bank: usize, last: Term) -> [Term; NODES + 1] {
-    core::array::from_fn(|k| if k < NODES { (weights[k] * factor, rates(bank, k)) } else { last })
+fn sum(weights: &[f64; NODES], factor: f64, bank: usize, last: [Term; 2]) -> [Term; NODES + 2] {
+    core::array::from_fn(|k| match k.checked_sub(NODES) {
+        Some(number) => last[number],
+        None => (weights[k] * factor, rates(bank, k)),
+    })
+}
+
+/// A number, and what rounding left out of it.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    sum: f64,
+    rest: f64,
+}
+
+impl Pair {
+    /// The place that a row of the tables is for, in a step of this length.
+    fn place(row: usize, length: f64) -> Self {
+        let [at, rest] = if row + 1 < NODES { [AT[row + 1], AT_REST[row + 1]] } else { [1.0, 0.0] };
+        let sum = at * length;
+        Pair { sum, rest: at.mul_add(length, -sum) + rest * length }
+    }
+
+    /// Without this number.
+    fn less(self, number: f64) -> Self {
+        let sum = self.sum - number;
+        let back = sum - self.sum;
+        // Knuth's sum without an error.
+        let error = (self.sum - (sum - back)) - (number + back);
+        Pair { sum, rest: self.rest + error }
+    }
 }

@@ -95,6 +95,7 @@ pub(crate) fn split<S: System>(
         let mut jump = Jump::default();
         let found = loop {
             integrator.step(system, length)?;
+            integrator.finish(system)?;
             match jump.look(system, length) {
                 Found::Closer(next) => {
                     again(system, Again::Restore);

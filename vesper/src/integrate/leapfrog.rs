@@ -12,7 +12,7 @@
 //! Sources: Verlet, Phys. Rev. 159 (1967) 98; Swope et al., J. Chem. Phys. 76 (1982) 637, for the velocity form; the
 //! predicted kick is the trapezoidal rule with one fixed-point iteration.
 
-use super::{Integrator, Register, Structure, System};
+use super::{Integrator, Register, StableLimits, Structure, System};
 use crate::error::Fault;
 use crate::law::Part;
 
@@ -32,6 +32,11 @@ impl Integrator for Leapfrog {
 
     fn order(&self) -> u32 {
         2
+    }
+
+    // Where the second kick is predicted, decay is that of 1 + z + z^2 / 2.
+    fn stable_limits(&self, _second_order: bool) -> Option<StableLimits> {
+        Some(StableLimits { oscillation: 2.0, decay: 2.0, kicks: true })
     }
 
     fn work_vectors(&self) -> usize {

@@ -7,7 +7,7 @@
 //! Source: Runge, Math. Ann. 46 (1895) 167; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
 //! II.1, eq. 1.4.
 
-use super::{Integrator, Register, System};
+use super::{Integrator, Register, StableLimits, System};
 use crate::error::Fault;
 use crate::law::Part;
 
@@ -24,6 +24,11 @@ impl Integrator for Midpoint {
 
     fn order(&self) -> u32 {
         2
+    }
+
+    // |1 + z + z^2 / 2| <= 1
+    fn stable_limits(&self, _second_order: bool) -> Option<StableLimits> {
+        Some(StableLimits { oscillation: 0.0, decay: 2.0, kicks: false })
     }
 
     fn work_vectors(&self) -> usize {

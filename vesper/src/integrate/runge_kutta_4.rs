@@ -5,7 +5,7 @@
 //!
 //! Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed., II.1, table 1.2.
 
-use super::{Integrator, Register, System};
+use super::{Integrator, Register, StableLimits, System};
 use crate::error::Fault;
 use crate::law::Part;
 
@@ -23,6 +23,11 @@ impl Integrator for RungeKutta4 {
 
     fn order(&self) -> u32 {
         4
+    }
+
+    // |1 + z + z^2 / 2 + z^3 / 6 + z^4 / 24| <= 1
+    fn stable_limits(&self, _second_order: bool) -> Option<StableLimits> {
+        Some(StableLimits { oscillation: 2.828, decay: 2.785, kicks: false })
     }
 
     fn work_vectors(&self) -> usize {

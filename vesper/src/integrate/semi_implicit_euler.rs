@@ -5,7 +5,7 @@
 //!
 //! Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., I.1.2, eq. 1.9.
 
-use super::{Integrator, System};
+use super::{Integrator, StableLimits, System};
 use crate::error::Fault;
 use crate::law::Part;
 
@@ -20,6 +20,10 @@ impl Integrator for SemiImplicitEuler {
 
     fn order(&self) -> u32 {
         1
+    }
+
+    fn stable_limits(&self, _second_order: bool) -> Option<StableLimits> {
+        Some(StableLimits { oscillation: 2.0, decay: 2.0, kicks: true })
     }
 
     fn step(&mut self, system: &mut dyn System, step: f64) -> Result<(), Fault> {

@@ -13,11 +13,13 @@ pub(super) struct Splitting {
 }
 
 impl Splitting {
-    fn factor(&self, number: usize) -> f64 {
+    /// The factor of the step for this part.
+    pub(super) fn factor(&self, number: usize) -> f64 {
         self.half[number.min(self.len() - 1 - number)]
     }
 
-    const fn len(&self) -> usize {
+    /// Parts of a step.
+    pub(super) const fn len(&self) -> usize {
         2 * self.half.len() - 1
     }
 
@@ -56,15 +58,22 @@ impl Splitting {
 }
 
 /// Makes an integrator of tables, for a type with `remembers` and `follows`: one for any kinetic energy, and one that
-/// is better where the rate of every coordinate is its momentum.
+/// is better where the rate of every coordinate is its momentum. Behind the order, the longest step times the rate of an
+/// oscillation up to which half the trace of the matrix of a step is within -1 and 1; but for a gap of 1 % about pi, in which
+/// an oscillation grows by less than 3 % a step.
 macro_rules! symplectic {
-    ($integrator:ident, $name:literal, $order:literal, $general:expr, $second_order:expr) => {
+    ($integrator:ident, $name:literal, $order:literal, $stable:expr, $general:expr, $second_order:expr) => {
         impl Integrator for $integrator {
             fn name(&self) -> &'static str {
                 $name
             }
             fn order(&self) -> u32 {
                 $order
+            }
+            // Of an oscillation, which is all that such methods take.
+            fn stable_limits(&self, second_order: bool) -> Option<crate::integrate::StableLimits> {
+                let oscillation: f64 = $stable[usize::from(second_order)];
+                Some(crate::integrate::StableLimits { oscillation, decay: oscillation, kicks: true })
             }
             fn accept(&self, structure: &crate::integrate::Structure) -> Result<(), Fault> {
                 structure.separable($name).and_then(|()| structure.without_every($name))

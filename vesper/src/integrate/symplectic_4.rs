@@ -21,7 +21,7 @@ pub struct Symplectic4 {
     follows: Option<bool>,
 }
 
-symplectic!(Symplectic4, "symplectic_4", 4, GENERAL, SECOND_ORDER);
+symplectic!(Symplectic4, "symplectic_4", 4, [6.31, 5.02], GENERAL, SECOND_ORDER);
 
 /// For any kinetic energy: S6 of Blanes and Moan, drift first.
 const GENERAL: Splitting = Splitting { first: Part::Coordinates, half: GENERAL_FACTORS };

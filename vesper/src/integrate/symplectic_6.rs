@@ -21,7 +21,7 @@ pub struct Symplectic6 {
     follows: Option<bool>,
 }
 
-symplectic!(Symplectic6, "symplectic_6", 6, GENERAL, SECOND_ORDER);
+symplectic!(Symplectic6, "symplectic_6", 6, [6.14, 9.07], GENERAL, SECOND_ORDER);
 
 /// For any kinetic energy: S10 of Blanes and Moan, drift first.
 const GENERAL: Splitting = Splitting { first: Part::Coordinates, half: GENERAL_FACTORS };

@@ -20,10 +20,10 @@ pub struct Symplectic8 {
     follows: Option<bool>,
 }
 
-symplectic!(Symplectic8, "symplectic_8", 8, GENERAL, GENERAL);
+symplectic!(Symplectic8, "symplectic_8", 8, [5.63, 5.63], GENERAL, GENERAL);
 
 /// Half of the first part drifts; then the kick of a part, and the drift of two halves, in turn.
-const GENERAL: Splitting = Splitting { first: Part::Coordinates, half: GENERAL_FACTORS };
+pub(super) const GENERAL: Splitting = Splitting { first: Part::Coordinates, half: GENERAL_FACTORS };
 const GENERAL_FACTORS: &[f64] = &[
     0.065_101_241_544_445_03,
     0.130_202_483_088_890_07,

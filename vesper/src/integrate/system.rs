@@ -1,5 +1,6 @@
 //! What an integrator sees of laws and data: vectors over the whole state, by name, and what can be done with them.
 
+use super::{Linearised, Quantity, Structure};
 use crate::law::Part;
 
 /// A vector with a number for every number of the state.
@@ -32,8 +33,32 @@ pub struct Combination<'a> {
     pub momenta: &'a [Term],
 }
 
+/// Which laws give rates, where some are not evaluated on every step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// On every n-th step what is due, and else what it gave last.
+    Held,
+    /// Those that are evaluated on every step.
+    Fast,
+    /// The same, and those that are evaluated on every n-th.
+    With(u32),
+}
+
+/// How momenta are turned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rotation {
+    /// By twice the angle whose tangent is half of the exact one (Boris 1970): with two half kicks about it, the drift
+    /// across fields at right angles is exact, and the phase has an error of second order.
+    Tangent,
+    /// By the exact angle.
+    Exact,
+    /// As by the tangent, at the velocity of the momentum in the middle between before and after (Higuera and Cary 2017);
+    /// it differs where the velocity is not proportional to the momentum.
+    TangentOfMean,
+}
+
 /// What an integrator sees of laws and data.
-pub trait System {
+pub trait System: Linearised {
     /// The time of the state, in s.
     fn time(&self) -> f64;
     /// Sets the time at which laws are evaluated, in s.
@@ -50,6 +75,17 @@ pub trait System {
     /// Goes through the rows of this part. `each` gets the number of the property among the states, and the magnitudes of
     /// the row in every one of the vectors, up to 12; the magnitude of a vector property is its length.
     fn magnitudes(&mut self, of: &[Register], part: Part, each: &mut dyn FnMut(usize, &[f64]));
+    /// What the laws of the run are.
+    fn structure(&self) -> &Structure;
+    /// A property of a domain, "bodies.position"; `None` where there is none, or only some rows have it. Found once,
+    /// not in every step.
+    fn find(&self, name: &str) -> Option<Quantity>;
+    /// Reads the numbers of a quantity component by component: all x, then all y, then all z. From a vector, where it is a
+    /// state; what is none stands only in [`Register::State`], and is not read from another one.
+    fn read(&self, quantity: Quantity, from: Register, to: &mut [f64]);
+    /// Writes the numbers of a state, in the order of [`System::read`]. They are a trial, as in [`System::linear`]: rounding
+    /// errors that are kept stay as they are. What is no state is not written.
+    fn write(&mut self, quantity: Quantity, from: &[f64]);
     /// Whether the rates of momenta depend on momenta: a force that depends on a velocity.
     fn momenta_depend_on_momenta(&self) -> bool;
     /// Whether the rates of coordinates depend on more than momenta: on coordinates, or on the time.
@@ -57,6 +93,34 @@ pub trait System {
     /// Whether the rate of every coordinate is its momentum: the laws say so (`second_order`), and it holds in every row
     /// as it is now. May leave other rates of the coordinates behind.
     fn coordinates_follow_momenta(&mut self) -> bool;
+    /// Runs some of the laws once, so that [`Register::Rates`] holds the rates of the momenta by these alone.
+    fn evaluate_at_pace(&mut self, _pace: Pace) {
+        self.evaluate(Part::Momenta);
+    }
+    /// The numbers of steps of laws that are not evaluated on every one, each once.
+    fn paces(&self) -> Vec<u32> {
+        Vec::new()
+    }
+    /// How many steps the engine has taken.
+    fn steps_done(&self) -> u64 {
+        0
+    }
+    /// How many steps are left of the frame, with the one that is taken now.
+    fn steps_ahead(&self) -> u64 {
+        1
+    }
+    /// Runs the laws once, so that [`Register::Rates`] holds the rates of the momenta without what turns them, and what
+    /// turns them is known to [`System::turn`]. For integrators that say that they rotate.
+    fn evaluate_unturned(&mut self) {
+        self.evaluate(Part::Momenta);
+    }
+    /// Turns momenta for a time, in s, by what the last [`System::evaluate_unturned`] found.
+    fn turn_momenta(&mut self, _time: f64, _rotation: Rotation) {}
+    /// Whether the rates of momenta, as they are now, are those without turning and what turns them, together: what laws
+    /// that turn promise. The first state for which that is not so, by its name.
+    fn turns_amiss(&mut self) -> Option<String> {
+        None
+    }
     /// The distance from 1 to the next number of the state's precision.
     fn epsilon(&self) -> f64;
     /// Evaluates the laws, and holds the switches of laws and the regions of fields as they are at this state: from now on

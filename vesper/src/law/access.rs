@@ -54,6 +54,11 @@ pub trait Sink<R> {
     fn set(&mut self, slot: usize, value: R);
     /// Adds to the component.
     fn add(&mut self, slot: usize, value: R);
+    /// Adds to the component of a turn, where somebody wants it.
+    #[inline(always)]
+    fn turn(&mut self, slot: usize, value: R) {
+        self.add(slot, value);
+    }
     /// Gives the rate of a component of a state; `coordinate` where the state is drifted, not kicked.
     fn rate(&mut self, coordinate: bool, slot: usize, value: R);
 }
@@ -119,6 +124,7 @@ struct Writer<'a, K> {
     sink: &'a mut K,
     mode: Mode,
     coordinate: bool,
+    turns: bool,
     slot: usize,
 }
 
@@ -127,6 +133,7 @@ impl<R: Real, K: Sink<R>> Take<R> for Writer<'_, K> {
     fn take(&mut self, component: usize, number: R) {
         let slot = self.slot + component;
         match self.mode {
+            Mode::Adds if self.turns => self.sink.turn(slot, number),
             Mode::Adds => self.sink.add(slot, number),
             Mode::Rates => self.sink.rate(self.coordinate, slot, number),
             _ => self.sink.set(slot, number),
@@ -143,5 +150,6 @@ pub fn write<Q: Property<Kind: Numeric>, R: Real, K: Sink<R>>(
     value: ValueOf<Q, R>,
 ) {
     let coordinate = const { matches!(Q::INFO.role, Role::Coordinate) };
-    <Q::Kind as Numeric>::each_component(value, Writer { sink, mode, coordinate, slot });
+    let turns = const { matches!(Q::INFO.role, Role::Turn { .. }) };
+    <Q::Kind as Numeric>::each_component(value, Writer { sink, mode, coordinate, turns, slot });
 }

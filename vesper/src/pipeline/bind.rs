@@ -1,7 +1,8 @@
 //! From named places to pointers: a plan, tied to the layout of one state.
 
 use super::group::{Group, GroupBuilder};
-use super::plan::{Op, Operand, Placed, Plan};
+use super::operand::Operand;
+use super::plan::{Op, Placed, Plan};
 use super::vectors::lent_columns;
 use super::{FusedChain, Listed, Machine, Pipeline};
 use crate::backend::Kernel;
@@ -297,7 +298,12 @@ impl<P: Scalar> Binder<'_, P> {
                 let len = numbers.as_slice().len();
                 Some(Located { base: Base::Owned(numbers.pointer()), stride: 1, len, subset: None })
             }
-            Operand::Field(..) | Operand::Default(_) | Operand::Absent => None,
+            Operand::Turned(id, component) => {
+                let known = &self.pipeline.registry.quantities[id];
+                let like = locate_column(self.state, known.domain, known.info.name, component)?;
+                Some(Located { base: Base::Owned(self.pipeline.vectors.turned(id, component)?), stride: 1, ..like })
+            }
+            Operand::Field(..) | Operand::Default(_) | Operand::Zero | Operand::Absent => None,
         }
     }
 
@@ -336,12 +342,16 @@ impl<P: Scalar> Binder<'_, P> {
         for (slot, operand) in op.operands.iter().enumerate() {
             let pointer = match operand {
                 Operand::Default(_) => pass._defaults.pointer().wrapping_add(slot),
-                Operand::Absent | Operand::Field(..) => core::ptr::null_mut(),
+                Operand::Absent | Operand::Zero | Operand::Field(..) => core::ptr::null_mut(),
                 Operand::Constant(..) => match self.locate(*operand)?.base {
                     Base::Owned(pointer) => pointer,
                     Base::Lent { .. } => return None,
                 },
-                Operand::Quantity(..) | Operand::Rate(..) | Operand::Held(..) | Operand::Previous(..) => {
+                Operand::Quantity(..)
+                | Operand::Rate(..)
+                | Operand::Turned(..)
+                | Operand::Held(..)
+                | Operand::Previous(..) => {
                     let located = self.locate(*operand)?;
                     match located.base {
                         Base::Owned(pointer) if op.rows.is_none() && located.stride == 1 => pointer,
@@ -373,7 +383,7 @@ impl<P: Scalar> Binder<'_, P> {
         for (slot, operand) in op.operands.iter().enumerate() {
             slots.push(match operand {
                 Operand::Default(_) => (Base::Owned(defaults.pointer().wrapping_add(slot)), 0),
-                Operand::Absent | Operand::Field(..) => (Base::Owned(core::ptr::null_mut()), 0),
+                Operand::Absent | Operand::Zero | Operand::Field(..) => (Base::Owned(core::ptr::null_mut()), 0),
                 _ => {
                     let located = self.locate(*operand)?;
                     (located.base, located.stride)
@@ -413,7 +423,7 @@ impl<P: Scalar> Binder<'_, P> {
                         rows = 1;
                         Some(Base::Owned(defaults.pointer().wrapping_add(slot)))
                     }
-                    Operand::Absent | Operand::Field(..) => None,
+                    Operand::Absent | Operand::Zero | Operand::Field(..) => None,
                     operand => {
                         let located = self.locate(operand)?;
                         (stride, rows) = (located.stride, located.len);

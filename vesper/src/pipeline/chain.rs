@@ -11,7 +11,8 @@ pub use layout::{Layout, List};
 
 use super::bind::Binder;
 use super::merge::NOTHING;
-use super::plan::{Op, Operand, Placed};
+use super::operand::Operand;
+use super::plan::{Op, Placed};
 use crate::backend::{Compile, Compiled, row_of};
 use crate::law::{Law, Mode, Part, Shape, Sink, Source, Stepped};
 use crate::real::{Isa, Lanes, MAX_WIDTH, Real, Scalar, WithLanes};
@@ -234,7 +235,7 @@ impl<P: Scalar> FusedChain<P> {
                             let operand = op.operands[slot];
                             slot += 1;
                             let computed = matches!(self.layout.kinds[register], Content::Sum | Content::Set);
-                            if computed {
+                            if computed && operand != Operand::Absent {
                                 let Tie::Quantity(id) = tie else { return None };
                                 if !binder.plan.is_transient(*id, binder.pipeline) {
                                     return None;

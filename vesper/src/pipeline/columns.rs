@@ -2,7 +2,8 @@
 //! looked back at; the rest lives in a scratch of a block. Never: a value.
 
 use super::Pipeline;
-use super::plan::{Key, Operand, Placed, Plan};
+use super::operand::Operand;
+use super::plan::{Key, Placed, Plan};
 use crate::column::Column;
 use crate::property::Role;
 use crate::real::Scalar;
@@ -13,7 +14,8 @@ impl Plan {
     /// Whether a computed quantity lives in one pass only, so that a scratch of a block is enough for it.
     pub(crate) fn is_transient<P: Scalar>(&self, quantity: QuantityId, pipeline: &Pipeline<P>) -> bool {
         let known = &pipeline.registry.quantities[quantity];
-        let looked_at = self.key == Key::Observe && pipeline.observed.contains(&quantity);
+        let looked_at = self.key == Key::Observe && pipeline.observed.contains(&quantity)
+            || self.key == Key::Turners && pipeline.turners().any(|turned| turned == quantity);
         let computed = !known.given && !pipeline.states().contains(&quantity);
         let passes: Vec<&Vec<Placed>> = self
             .passes

@@ -41,7 +41,7 @@ impl<P: Scalar> Pipeline<P> {
             let moved = match self.registry.quantities[state_id].info.role {
                 Role::Coordinate => "drifted",
                 Role::Momentum(_) => "kicked",
-                Role::Plain | Role::Switch | Role::Sum { .. } => "integrated",
+                Role::Plain | Role::Switch | Role::Sum { .. } | Role::Turn { .. } => "integrated",
             };
             line(format!("q{state_id} [label = \"{name}\\n{moved}\", shape = ellipse];"));
             for (index, seat) in self.registry.seats.iter().enumerate() {

@@ -250,7 +250,7 @@ impl<P: Scalar> Body<'_, P> {
                     // SAFETY: passed on to the caller.
                     unsafe { kernel.run(context.isa, &call) };
                 });
-                let first = || slots.start + super::run::first_result(context, *law);
+                let first = || slots.start + super::pass::first_result(context, *law);
                 context.watch(*law, || pointers[first()..slots.end].iter().map(|start| (*start, 1, rows)));
             }
             BlockOp::Fused { chain, slots, fixed, momenta, coordinates } => {

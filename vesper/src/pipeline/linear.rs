@@ -22,6 +22,10 @@ impl<P: Scalar> Vectors<P> {
         // Anyone may write an integrator: one that asks for what is not there gets a panic, and never other memory.
         let paired = momenta.is_empty() || part == Part::Coordinates && self.momentum_behind.is_some();
         assert!(paired, "momenta are summed to the coordinates they move, where coordinates_follow_momenta");
+        if let ([(1.0, from)], [], false, Some(span)) = (terms, momenta, adds, self.span(part)) {
+            // SAFETY: passed on to the caller.
+            return unsafe { self.copy((to, *from), (part, span), lent) };
+        }
         loop {
             let (now, later) = momenta.split_at(momenta.len().min(TERMS));
             let (also, rest) = terms.split_at(terms.len().min(TERMS - now.len()));
@@ -36,6 +40,24 @@ impl<P: Scalar> Vectors<P> {
             (terms, momenta, adds) = (rest, later, true);
             if terms.is_empty() && momenta.is_empty() {
                 return;
+            }
+        }
+    }
+
+    /// A small state, or a part of it, in the place of another vector's.
+    ///
+    /// # Safety
+    /// As for [`Vectors::linear`].
+    unsafe fn copy(&self, (to, from): (Register, Register), (part, span): (Part, Range<usize>), lent: &[*mut P]) {
+        // SAFETY: all vectors have a place for every number of the state; passed on to the caller.
+        unsafe {
+            match (self.vector(to), self.vector(from)) {
+                (Some(to), Some(from)) => {
+                    to.wrapping_add(span.start).copy_from(from.wrapping_add(span.start), span.len())
+                }
+                (Some(to), None) => self.each_component(part, lent, to, |state, to| *to = *state),
+                (None, Some(from)) => self.each_component(part, lent, from, |state, from| *state = *from),
+                (None, None) => {}
             }
         }
     }
@@ -145,7 +167,7 @@ impl<P: Scalar> Vectors<P> {
     }
 
     /// Where a component is in a register, and how far apart its numbers are.
-    fn place(&self, register: Register, component: &Component<P>, lent: &[*mut P]) -> (*mut P, usize) {
+    pub(super) fn place(&self, register: Register, component: &Component<P>, lent: &[*mut P]) -> (*mut P, usize) {
         match self.vector(register) {
             Some(start) => (start.wrapping_add(component.at), 1),
             None => (component.place.base.resolve(lent), component.place.stride),
@@ -217,41 +239,43 @@ struct Sum<'a, P> {
 }
 
 impl<P: Scalar> Sum<'_, P> {
-    /// From number `at` on, as many whole sets of `SETS` lanes as there are; where they end.
+    /// The lanes that begin at these numbers. All are read before any is written, so that they may overlap.
     ///
     /// # Safety
-    /// All pointers are to `count` numbers, which nobody else touches.
+    /// All pointers are to `count` numbers, which nobody else touches, and the lanes are within them.
     #[inline(always)]
-    unsafe fn lanes<R: Lanes<P>, const SETS: usize>(&self, mut at: usize) -> usize {
-        while at + SETS * R::WIDTH <= self.count {
-            // SAFETY: the lanes are within the `count` numbers.
-            unsafe {
-                let mut sums = [R::lit(0.0); SETS];
-                for (number, (factor, from)) in self.sources.iter().enumerate() {
-                    let factor = R::splat(*factor);
-                    for (set, sum) in sums.iter_mut().enumerate() {
-                        let term = R::load(from.add(at + set * R::WIDTH)) * factor;
-                        *sum = if number == 0 { term } else { *sum + term };
-                    }
+    unsafe fn lanes<R: Lanes<P>, const SETS: usize>(&self, starts: [usize; SETS]) {
+        // SAFETY: the caller promises the lanes.
+        unsafe {
+            let mut sums = [R::lit(0.0); SETS];
+            for (number, (factor, from)) in self.sources.iter().enumerate() {
+                let factor = R::splat(*factor);
+                for (sum, start) in sums.iter_mut().zip(starts) {
+                    let term = R::load(from.add(start)) * factor;
+                    *sum = if number == 0 { term } else { *sum + term };
                 }
-                for (set, sum) in sums.into_iter().enumerate() {
-                    let to = self.to.add(at + set * R::WIDTH);
-                    if !self.adds {
-                        sum.store(to);
-                    } else if self.errors.is_null() {
-                        (R::load(to) + sum).store(to);
-                    } else {
-                        let errors = self.errors.add(at + set * R::WIDTH);
-                        let (before, sum) = (R::load(to), sum - R::load(errors));
+            }
+            if self.adds {
+                let before = starts.map(|start| R::load(self.to.add(start)));
+                if self.errors.is_null() {
+                    sums.iter_mut().zip(before).for_each(|(sum, before)| *sum += before);
+                } else {
+                    let errors = starts.map(|start| R::load(self.errors.add(start)));
+                    for set in 0..SETS {
+                        let (before, sum) = (before[set], sums[set] - errors[set]);
                         let after = before + sum;
-                        ((after - before) - sum).store(errors);
-                        after.store(to);
+                        // Knuth's sum: exact whichever of the two is the larger.
+                        let change = after - before;
+                        let lost = ((after - change) - before) + (change - sum);
+                        lost.store(self.errors.add(starts[set]));
+                        sums[set] = after;
                     }
                 }
             }
-            at += SETS * R::WIDTH;
+            for (sum, start) in sums.into_iter().zip(starts) {
+                sum.store(self.to.add(start));
+            }
         }
-        at
     }
 
     /// One number at a time, at their own distances.
@@ -269,7 +293,7 @@ impl<P: Scalar> Sum<'_, P> {
             let sources = &sources[..self.sources.len()];
             let one = Sum { to, errors, adds: self.adds, count: 1, sources };
             // SAFETY: passed on to the caller.
-            unsafe { one.lanes::<P, 1>(0) };
+            unsafe { one.lanes::<P, 1>([0]) };
         }
     }
 }
@@ -278,11 +302,24 @@ impl<P: Scalar> WithLanes<P> for Sum<'_, P> {
     type Output = ();
     #[inline(always)]
     fn with<R: Lanes<P>>(self) {
-        // SAFETY: whoever makes a sum has pointers to that many numbers; the runner holds the state.
+        let Sum { count, .. } = self;
+        let width = R::WIDTH;
+        let mut at = 0;
+        // SAFETY: whoever makes a sum has pointers to that many numbers, and the runner holds the state; the last lanes end
+        // with the last number, and overlap those before them.
         unsafe {
-            let at = self.lanes::<R, 4>(0);
-            let at = self.lanes::<R, 1>(at);
-            self.lanes::<P, 1>(at);
+            while at + 4 * width <= count {
+                self.lanes::<R, 4>([at, at + width, at + 2 * width, at + 3 * width]);
+                at += 4 * width;
+            }
+            let last = count.wrapping_sub(width);
+            match count - at {
+                rest if rest > 3 * width => self.lanes::<R, 4>([at, at + width, at + 2 * width, last]),
+                rest if rest > 2 * width => self.lanes::<R, 3>([at, at + width, last]),
+                rest if rest > width => self.lanes::<R, 2>([at, last]),
+                rest if rest == width => self.lanes::<R, 1>([at]),
+                _ => (at..count).for_each(|number| self.lanes::<P, 1>([number])),
+            }
         }
     }
 }

@@ -3,8 +3,9 @@
 //! and drifts, one loop does both. Never changes a bit.
 
 use super::Pipeline;
-use super::plan::{Op, Operand, Placed};
-use crate::law::{Mode, Part};
+use super::operand::Operand;
+use super::plan::{Op, Placed};
+use crate::law::{Mode, Part, Port};
 use crate::real::Scalar;
 use crate::registry::{QuantityId, Tie};
 
@@ -56,7 +57,12 @@ fn starts_of_sums<P: Scalar>(pass: &[Placed], at: usize, pipeline: &Pipeline<P>)
     if !pass[at].row_local || ports.iter().any(|port| port.mode == Mode::Rates) {
         return None;
     }
-    let sums = ports.iter().zip(&seat.ties).filter(|(port, _)| port.mode == Mode::Adds);
+    let mut slot = 0;
+    let there = |(port, _): &(&Port, &Tie)| {
+        slot += port.property.kind.width();
+        port.mode == Mode::Adds && pass[at].operands[slot - 1] != Operand::Absent
+    };
+    let sums = ports.iter().zip(&seat.ties).filter(there);
     let starts: Option<Vec<usize>> = sums
         .map(|(_, tie)| {
             let Tie::Quantity(sum) = *tie else { return None };

@@ -14,17 +14,27 @@ mod dot;
 mod explain;
 mod group;
 mod linear;
+mod linearised;
 mod merge;
+mod operand;
+mod pass;
 mod plan;
+mod prune;
+mod quantities;
+mod rotation;
 mod run;
 mod switches;
+mod tangent;
+mod turning;
 mod vectors;
 
 pub(crate) use bind::{Program, program};
 pub(crate) use chain::FusedChain;
 pub use chain::{Chain, ChainPart, Chained, Layout, List, Registers};
 pub(crate) use plan::Key;
+use plan::Plan;
 pub(crate) use run::{Runner, Watch};
+pub(crate) use tangent::Tangent;
 pub(crate) use vectors::{Vectors, lent_columns};
 
 use crate::backend::Compiled;
@@ -39,6 +49,7 @@ use crate::state::State;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use switches::Switches;
+use turning::{Turning, turnings, without_turning};
 
 /// Watches how long laws take. The core starts no clock: whoever wants times brings one.
 pub trait Probe: Send + Sync {
@@ -87,6 +98,12 @@ pub(crate) struct Pipeline<P: Scalar> {
     pub(crate) observed: Vec<QuantityId>,
     pub(crate) programs: Vec<Program<P>>,
     pub(crate) vectors: Vectors<P>,
+    /// Momenta that forces turn.
+    pub(crate) turnings: Vec<Turning>,
+    /// Where what is turned is, component by component, where it is not the momentum itself.
+    turners_at: Vec<(QuantityId, bind::Located<P>)>,
+    /// Of derivatives, for integrators that ask for them.
+    pub(crate) tangent: Option<Box<Tangent<P>>>,
     /// What steps end at.
     pub(crate) switches: Switches<P>,
     /// The layout of the state that the programs' pointers were taken from.
@@ -123,7 +140,9 @@ impl<P: Scalar> Pipeline<P> {
         let graph = Graph::new(&entries, &registry, state)?;
         let at = |(domain, property): &(String, String)| registry.find(state.domain_index(domain)?, property);
         let observed: Vec<QuantityId> = observe.iter().filter_map(at).collect();
-        let structure = structure(&entries, &registry, &graph, state);
+        let turnings = turnings(&entries, &registry, &graph);
+        let mut structure = structure(&entries, &registry, &graph, &turnings, state);
+        structure.parameters = parameters(laws, &registry);
         integrator.accept(&structure)?;
         // Results of laws that no longer run must not be taken for results.
         for (index, domain) in state.domains.iter_mut().enumerate() {
@@ -131,7 +150,7 @@ impl<P: Scalar> Pipeline<P> {
             domain.previous.retain(|column| registry.find(index, column.info.name).is_some());
         }
         state.changed_layout();
-        plan::prune(&entries, &mut registry, &graph, &observed, state);
+        prune::prune(&entries, &mut registry, &graph, &observed, state);
         let mut pipeline = Pipeline {
             entries,
             registry,
@@ -140,6 +159,9 @@ impl<P: Scalar> Pipeline<P> {
             observed,
             programs: Vec::new(),
             vectors: Vectors::default(),
+            turnings,
+            turners_at: Vec::new(),
+            tangent: None,
             switches: Switches::default(),
             layout: state.layout(),
             idle: false,
@@ -147,7 +169,10 @@ impl<P: Scalar> Pipeline<P> {
             observes: false,
             lends: lent_columns(state).next().is_some(),
         };
-        let plans: Vec<_> = Key::ALL.into_iter().map(|key| plan::plan(key, &pipeline)).collect();
+        let rotates = integrator.rotates();
+        let asked = |key: &Key| rotates || !matches!(key, Key::Unturned | Key::Turners);
+        let plan = |key| if asked(&key) { plan::plan(key, &pipeline) } else { Plan::nothing(key) };
+        let plans: Vec<_> = Key::ALL.into_iter().map(plan).collect();
         for plan in &plans {
             columns::materialise(plan, &pipeline, state);
         }
@@ -163,9 +188,14 @@ impl<P: Scalar> Pipeline<P> {
         // To take a step again, of those that do not choose their own, which keep what they need.
         let again = usize::from(pipeline.switches.any() && !integrator.is_adaptive());
         let work = integrator.work_vectors() + again;
-        pipeline.vectors = Vectors::new(&pipeline, state, work, compensated || integrator.compensates());
+        let keeps = (compensated || integrator.compensates(), rotates);
+        pipeline.vectors = Vectors::new(&pipeline, state, work, keeps);
+        pipeline.turners_at = pipeline.turners().flat_map(|by| pipeline.components(by, state)).collect();
         pipeline.programs =
             plans.into_iter().map(|plan| program(plan, laws, chains, &pipeline, state, machine)).collect();
+        if integrator.needs_derivatives() {
+            pipeline.tangent = Some(Box::new(Tangent::new(&pipeline, laws, state)));
+        }
         pipeline.layout = state.layout();
         pipeline.amends = !pipeline.programs[Key::Amend.index()].passes.is_empty();
         pipeline.observes = !pipeline.programs[Key::Observe.index()].passes.is_empty();
@@ -205,6 +235,17 @@ impl<P: Scalar> Pipeline<P> {
         format!("{} moves it{fed}: take a smaller step, or look at its parameters", label(rater))
     }
 
+    /// What is turned, where it is not the momentum itself.
+    fn turners(&self) -> impl Iterator<Item = QuantityId> {
+        self.turnings.iter().filter(|turning| turning.by != turning.state).map(|turning| turning.by)
+    }
+
+    /// Where the components of a vector quantity are.
+    fn components(&self, id: QuantityId, state: &State<P>) -> impl Iterator<Item = (QuantityId, bind::Located<P>)> {
+        let known = &self.registry.quantities[id];
+        (0..3).filter_map(move |c| Some((id, bind::locate_column(state, known.domain, known.info.name, c)?)))
+    }
+
     /// The quantities whose rates laws give.
     pub(crate) fn states(&self) -> Vec<QuantityId> {
         let mut states: Vec<QuantityId> = self
@@ -229,7 +270,13 @@ fn turns(property: &PropertyInfo) -> bool {
     property.role == Role::Switch && property.kind == Kind::Scalar
 }
 
-fn structure<P: Scalar>(entries: &[Entry], registry: &Registry, graph: &Graph, state: &State<P>) -> Structure {
+fn structure<P: Scalar>(
+    entries: &[Entry],
+    registry: &Registry,
+    graph: &Graph,
+    turnings: &[Turning],
+    state: &State<P>,
+) -> Structure {
     let mut structure = Structure::default();
     let mut second_order = true;
     for seat in &registry.seats {
@@ -240,10 +287,11 @@ fn structure<P: Scalar>(entries: &[Entry], registry: &Registry, graph: &Graph, s
             match port.property.role {
                 Role::Coordinate => {
                     structure.coordinates.push(name);
+                    structure.rows.push(state.domains[registry.quantities[*id].domain].rows);
                     second_order &= entry.signature.second_order;
                 }
                 Role::Momentum(_) => structure.momenta.push(name),
-                Role::Plain | Role::Switch | Role::Sum { .. } => structure.others.push(name),
+                Role::Plain | Role::Switch | Role::Sum { .. } | Role::Turn { .. } => structure.others.push(name),
             }
         }
         for (port, tie) in entry.signature.ports.iter().zip(&seat.ties) {
@@ -257,17 +305,45 @@ fn structure<P: Scalar>(entries: &[Entry], registry: &Registry, graph: &Graph, s
                 _ => {}
             }
         }
+        if crate::graph::amends(&entry.signature) && structure.amends.is_none() {
+            structure.amends = Some(entry.label().to_owned());
+        }
         if entry.options.every > 1 && structure.every.is_none() {
             structure.every = Some(entry.label().to_owned());
         }
     }
     let name = |id| registry.name(id, state);
-    structure.momenta_depend_on_momenta = graph.momenta_depend_on_momentum(entries, registry).map(name);
+    let all = |_| u64::MAX;
+    let unturned = |seat: usize| without_turning(&entries[registry.seats[seat].law]);
+    let depends = |mask: &dyn Fn(usize) -> u64| graph.momenta_depend_on_momentum(mask, entries, registry).map(name);
+    structure.momenta_depend_on_momenta = depends(&all);
+    structure.turned = turnings.iter().map(|turning| name(turning.state)).collect();
+    structure.depends_beyond_turning = if turnings.is_empty() { depends(&all) } else { depends(&unturned) };
     structure.coordinates_depend_on = graph.coordinates_depend_on(entries, registry).map(name);
     structure.jumps.sort_unstable();
     structure.jumps.dedup();
     structure.second_order = second_order && structure.coordinates_depend_on.is_none();
     structure
+}
+
+/// The parameters of the laws that run, by law and name.
+fn parameters<P: Scalar>(laws: &[Listed<P>], registry: &Registry) -> Vec<(String, f64)> {
+    let runs = |index: &usize| registry.seats.iter().any(|seat| seat.law == *index);
+    let of = |index: usize| {
+        let law = &laws[index];
+        let signature = &law.entry.signature;
+        let starts = signature.parameters.iter().scan(0, |next, parameter| {
+            let at = *next;
+            *next += parameter.width;
+            Some((parameter, at))
+        });
+        let numbers = starts.filter(|(parameter, _)| parameter.width == 1);
+        numbers.filter_map(|(parameter, at)| {
+            let value = law.compiled.parameters.get(at)?;
+            Some((format!("{}.{}", signature.name, parameter.name), *value))
+        })
+    };
+    (0..laws.len()).filter(runs).flat_map(of).collect()
 }
 
 /// A fault for memory that the client holds.

@@ -1,12 +1,13 @@
 //! What is asked, as a list of operations over named places; no pointer yet.
 
 use super::Pipeline;
-use crate::error::counted;
-use crate::graph::{Graph, wanted_inputs};
+use super::operand::Operand;
+use super::turning::{hold_still, turned};
+use crate::graph::wanted_inputs;
 use crate::law::{Mode, Part, Place, Port, Shape};
+use crate::property::Role;
 use crate::real::Scalar;
-use crate::registry::{Backend, Entry, QuantityId, Registry, Seat, Status, Tie, computes, start_of};
-use crate::state::State;
+use crate::registry::{Backend, Entry, QuantityId, Seat, Status, Tie, computes, start_of};
 
 /// What can be asked of a pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,16 +18,22 @@ pub(crate) enum Key {
     Advance(Part),
     /// The momenta advanced, then the coordinates.
     KickDrift,
+    /// The rates of the momenta without what turns them, and beside them what turns them.
+    Unturned,
+    /// What is turned, where it is not the momentum itself.
+    Turners,
     /// The amending laws, after a step.
     Amend,
     /// The computed quantities that the client looks at.
     Observe,
     /// The energies of all laws.
     Energy,
+    /// The derivatives of all rates along a direction, which have a program of their own (`tangent`).
+    Tangent,
 }
 
 impl Key {
-    pub(crate) const ALL: [Key; 10] = [
+    pub(crate) const ALL: [Key; 12] = [
         Key::Evaluate(Part::All),
         Key::Evaluate(Part::Coordinates),
         Key::Evaluate(Part::Momenta),
@@ -34,20 +41,25 @@ impl Key {
         Key::Advance(Part::Coordinates),
         Key::Advance(Part::Momenta),
         Key::KickDrift,
+        Key::Unturned,
+        Key::Turners,
         Key::Amend,
         Key::Observe,
         Key::Energy,
     ];
 
-    /// Where the key's program is among a pipeline's.
+    /// Where the key's program is among a pipeline's; that of derivatives stands behind them.
     pub(crate) fn index(self) -> usize {
         match self {
             Key::Evaluate(part) => part_index(part),
             Key::Advance(part) => 3 + part_index(part),
             Key::KickDrift => 6,
-            Key::Amend => 7,
-            Key::Observe => 8,
-            Key::Energy => 9,
+            Key::Unturned => 7,
+            Key::Turners => 8,
+            Key::Amend => 9,
+            Key::Observe => 10,
+            Key::Energy => 11,
+            Key::Tangent => Key::ALL.len(),
         }
     }
 
@@ -56,7 +68,8 @@ impl Key {
         match self {
             Key::Evaluate(part) | Key::Advance(part) => vec![part],
             Key::KickDrift => vec![Part::Momenta, Part::Coordinates],
-            Key::Amend | Key::Observe | Key::Energy => vec![Part::All],
+            Key::Unturned => vec![Part::Momenta],
+            Key::Turners | Key::Amend | Key::Observe | Key::Energy | Key::Tangent => vec![Part::All],
         }
     }
 }
@@ -66,37 +79,6 @@ fn part_index(part: Part) -> usize {
         Part::All => 0,
         Part::Coordinates => 1,
         Part::Momenta => 2,
-    }
-}
-
-/// A place of numbers, by name.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Operand {
-    Quantity(QuantityId, usize),
-    Rate(QuantityId, usize),
-    /// The share of a law that is evaluated on some steps only: (seat, slot).
-    Held(usize, usize),
-    /// A field at the place of the row: (field, component).
-    Field(usize, usize),
-    /// What the last evaluation left.
-    Previous(QuantityId, usize),
-    Constant(QuantityId, usize),
-    Default(f64),
-    Absent,
-}
-
-impl Operand {
-    /// The quantity whose value it is, as it is now.
-    pub(super) fn quantity(self) -> Option<QuantityId> {
-        match self {
-            Operand::Quantity(id, _) | Operand::Constant(id, _) => Some(id),
-            Operand::Rate(..)
-            | Operand::Held(..)
-            | Operand::Previous(..)
-            | Operand::Field(..)
-            | Operand::Default(_)
-            | Operand::Absent => None,
-        }
     }
 }
 
@@ -130,7 +112,7 @@ pub(crate) struct Placed {
     /// Whether it may share a pass with its neighbours.
     pub(crate) row_local: bool,
     pub(crate) backend: Backend,
-    /// It runs on every n-th step.
+    /// It runs on every n-th step, or adds what ran then.
     pub(crate) every: u32,
     /// What it reads and writes; for a law, by slot.
     pub(crate) operands: Vec<Operand>,
@@ -142,6 +124,13 @@ pub(crate) struct Placed {
 pub(crate) struct Plan {
     pub(crate) key: Key,
     pub(crate) passes: Vec<Vec<Placed>>,
+}
+
+impl Plan {
+    /// Of what nobody asks.
+    pub(crate) fn nothing(key: Key) -> Self {
+        Plan { key, passes: Vec::new() }
+    }
 }
 
 /// Makes the plan of a key.
@@ -164,8 +153,8 @@ pub(crate) fn plan<P: Scalar>(key: Key, pipeline: &Pipeline<P>) -> Plan {
             _ => passes.push(vec![op]),
         }
     }
-    // What is looked at begins from a plain zero.
-    if key != Key::Observe {
+    // What is looked at begins from a plain zero, and so do derivatives.
+    if !matches!(key, Key::Observe | Key::Tangent) {
         passes.iter_mut().for_each(|pass| super::merge::begin_with_laws(pass, pipeline));
     }
     Plan { key, passes }
@@ -187,7 +176,10 @@ impl<P: Scalar> Stage<'_, P> {
         let Pipeline { entries, registry, graph, observed, .. } = self.pipeline;
         let first = self.ops.len();
         let (targets, needs) = match self.key {
-            Key::Evaluate(_) | Key::Advance(_) | Key::KickDrift => graph.raters(self.part, entries, registry),
+            Key::Evaluate(_) | Key::Advance(_) | Key::KickDrift | Key::Unturned | Key::Tangent => {
+                graph.raters(self.part, entries, registry)
+            }
+            Key::Turners => (Vec::new(), self.pipeline.turners().collect()),
             Key::Amend => graph.amenders(entries, registry),
             Key::Observe => (Vec::new(), observed.clone()),
             Key::Energy => {
@@ -204,6 +196,9 @@ impl<P: Scalar> Stage<'_, P> {
             let rates = targets.contains(&seat);
             if rates || makers.contains(&seat) {
                 self.law(seat, rates, &targets, &makers, &mut advanced);
+                if self.key == Key::Unturned {
+                    self.turned(seat);
+                }
             }
         }
         if self.key == Key::Observe {
@@ -227,7 +222,7 @@ impl<P: Scalar> Stage<'_, P> {
             self.axpy(state);
         }
         // Looking, and amending after a step, are no evaluations that a next one could look back at.
-        if matches!(self.key, Key::Evaluate(_) | Key::Advance(_) | Key::KickDrift) {
+        if matches!(self.key, Key::Evaluate(_) | Key::Advance(_) | Key::KickDrift | Key::Unturned) {
             self.keep(first);
         }
     }
@@ -275,7 +270,7 @@ impl<P: Scalar> Stage<'_, P> {
         };
         let begun = tied(&|_, port| begins(port));
         let touched = tied(&|number, port| match port.mode {
-            Mode::Adds => true,
+            Mode::Adds => self.wants(entry, port, &seat.ties[number]),
             Mode::Sets => !begins(port),
             Mode::Reads => number >= 64 || mask >> number & 1 == 1,
             Mode::Rates | Mode::Previous | Mode::Amends => false,
@@ -327,7 +322,7 @@ impl<P: Scalar> Stage<'_, P> {
     fn start(&mut self, quantity: QuantityId, backend: Backend) {
         let registry = &self.pipeline.registry;
         let known = &registry.quantities[quantity];
-        let is_sum = matches!(known.info.role, crate::property::Role::Sum { .. });
+        let is_sum = known.info.role.is_sum();
         if !is_sum || known.given || self.started.contains(&quantity) {
             return;
         }
@@ -372,7 +367,8 @@ impl<P: Scalar> Stage<'_, P> {
         let (seat, entry) = self.seat(index);
         let registry = &self.pipeline.registry;
         let every = entry.options.every;
-        let held = every > 1 && !energy;
+        // A derivative is that of the law as it is, on whatever steps.
+        let held = every > 1 && !energy && self.key != Key::Tangent;
         let mask = wanted_inputs(&entry.signature, part);
         let mut operands = Vec::new();
         let mut writes = Vec::new();
@@ -386,6 +382,7 @@ impl<P: Scalar> Stage<'_, P> {
                     && !entry.signature.ports.iter().any(|other| computes(other.mode) || other.mode == Mode::Amends);
                 operands.push(match (tie, port.mode) {
                     _ if unwanted || energy && !port.mode.is_input() => Operand::Absent,
+                    _ if !self.wants(entry, port, tie) => Operand::Absent,
                     (Tie::Absent, _) => Operand::Absent,
                     (Tie::Default(value), _) => Operand::Default(value[component.min(2)]),
                     (Tie::Field(field), _) => Operand::Field(*field, component),
@@ -403,7 +400,7 @@ impl<P: Scalar> Stage<'_, P> {
                 writes.push(!port.mode.is_input());
             }
         }
-        let placed = Placed {
+        let mut placed = Placed {
             op: Op::Law { seat: index, part, advance, drift: None, energy, first: false },
             domain: seat.domain,
             rows: seat.rows.clone(),
@@ -413,13 +410,36 @@ impl<P: Scalar> Stage<'_, P> {
             operands,
             writes,
         };
+        if self.key == Key::Unturned {
+            hold_still(&mut placed, entry);
+        }
         if !held {
             self.ops.push(placed);
             return;
         }
         let release = Placed { op: Op::Release { seat: index }, row_local: false, ..placed.clone() };
-        let hold = Placed { op: Op::Hold { seat: index }, row_local: false, every: 1, ..placed.clone() };
+        let hold = Placed { op: Op::Hold { seat: index }, row_local: false, ..placed.clone() };
         self.ops.extend([release, placed, hold]);
+    }
+
+    /// Whether somebody looks at what a law gives: a turn, which most runs have no use for, is left out where nobody does.
+    fn wants(&self, entry: &Entry, port: &Port, tie: &Tie) -> bool {
+        let Pipeline { entries, registry, observed, .. } = self.pipeline;
+        let (Role::Turn { .. }, Mode::Adds, Shape::Row, Tie::Quantity(id)) =
+            (port.property.role, port.mode, entry.shape, tie)
+        else {
+            return true;
+        };
+        let reads =
+            |seat: &Seat| crate::graph::inputs(&entries[seat.law].signature, seat, u64::MAX).any(|read| read == *id);
+        self.key == Key::Unturned || observed.contains(id) || registry.seats.iter().any(reads)
+    }
+
+    /// What turns the momenta whose rates this law has just given.
+    fn turned(&mut self, seat: usize) {
+        let turnings = self.pipeline.turnings.iter().filter(|turning| turning.rater == seat);
+        let Some(law) = self.ops.last().cloned() else { return };
+        self.ops.extend(turnings.map(|turning| turned(&law, turning)));
     }
 
     fn axpy(&mut self, state: QuantityId) {
@@ -448,37 +468,5 @@ impl<P: Scalar> Stage<'_, P> {
             operands: (0..width).map(to).chain(from.into_iter().flat_map(|from| (0..width).map(from))).collect(),
             writes: (0..2 * width).map(|k| k < width).collect(),
         }
-    }
-}
-
-/// Notes in the report which laws nobody needs, and what that saves.
-pub(crate) fn prune<P: Scalar>(
-    entries: &[Entry],
-    registry: &mut Registry,
-    graph: &Graph,
-    observed: &[QuantityId],
-    state: &State<P>,
-) {
-    let (raters, mut needs) = graph.raters(Part::All, entries, registry);
-    let (amenders, more) = graph.amenders(entries, registry);
-    needs.extend(more);
-    needs.extend(observed);
-    let makers = graph.makers(&needs, entries, registry);
-    let mut pruned = Vec::new();
-    for (index, seat) in registry.seats.iter().enumerate() {
-        if raters.contains(&index) || amenders.contains(&index) || makers.contains(&index) {
-            continue;
-        }
-        let results: Vec<String> =
-            crate::graph::outputs(&entries[seat.law].signature, seat).map(|(_, id)| registry.name(id, state)).collect();
-        let rows = seat.rows.as_ref().map_or(state.domains[seat.domain].rows, Vec::len);
-        let saving = match entries[seat.law].shape {
-            Shape::Pair => format!("{} pairs", rows * rows.saturating_sub(1) / 2),
-            Shape::Row | Shape::Link | Shape::Column => counted(rows, "row"),
-        };
-        pruned.push((seat.law, Status::Pruned { results, saving }));
-    }
-    for (law, status) in pruned {
-        registry.report.laws[law].status = status;
     }
 }

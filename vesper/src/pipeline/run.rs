@@ -1,13 +1,13 @@
 //! Runs programs, and answers integrators.
 
-use super::bind::{BoundPass, ColumnPass, LinkPass, Located, PairPass, Pass};
+use super::bind::Pass;
+use super::pass::run_pass;
 use super::plan::Key;
 use super::switches::Phase;
 use super::{FusedChain, Listed, Machine, Pipeline};
-use crate::backend::{Kernel, LinkCall, PairCall, Strided};
 use crate::field::Field;
-use crate::integrate::{Again, Combination, Register, System};
-use crate::law::{ColumnAccess, Part, PortView};
+use crate::integrate::{Again, Combination, Pace, Quantity, Register, Rotation, Structure, System};
+use crate::law::Part;
 use crate::property::{Property, PropertyInfo, Time};
 use crate::real::{Isa, Scalar};
 use crate::state::State;
@@ -95,7 +95,7 @@ struct Shared<T>(T);
 unsafe impl<T> Sync for Shared<T> {}
 
 /// Calls `work` with the parts of `0..count`, on as many threads; parts begin at multiples of `grain`.
-fn in_parts<P: Scalar>(
+pub(super) fn in_parts<P: Scalar>(
     context: &Context<'_, P>,
     threads: usize,
     count: usize,
@@ -123,6 +123,7 @@ fn in_parts<P: Scalar>(
 /// A pipeline at work on a state.
 pub(crate) struct Runner<'a, P: Scalar> {
     pub(crate) pipeline: &'a mut Pipeline<P>,
+    pub(super) state: &'a State<P>,
     pub(crate) context: Context<'a, P>,
     /// Where laws read the time.
     clock: Option<*mut P>,
@@ -130,7 +131,13 @@ pub(crate) struct Runner<'a, P: Scalar> {
     pub(crate) time: f64,
     /// The number of the step, for laws that are not evaluated on every one.
     pub(crate) step: u64,
+    /// Steps that are left of the frame, with the one that is taken.
+    pub(crate) ahead: u64,
+    /// Which laws take part, of those that are not evaluated on every step.
+    pace: Pace,
     pub(crate) evaluations: u64,
+    /// How often derivatives along a direction were asked for.
+    pub(crate) derivatives: u64,
     /// Steps that an adaptive integrator gave up, and those that it kept.
     pub(crate) tried: [u64; 2],
 }
@@ -160,7 +167,19 @@ impl<'a, P: Scalar> Runner<'a, P> {
             watch: None,
         };
         let clock = super::bind::locate_column(state, 0, Time::NAME, 0).map(|place| place.base.resolve(lent));
-        let mut runner = Runner { pipeline, context, clock, time, step, evaluations: 0, tried: [0; 2] };
+        let mut runner = Runner {
+            pipeline,
+            state,
+            context,
+            clock,
+            time,
+            step,
+            ahead: 1,
+            pace: Pace::Held,
+            evaluations: 0,
+            derivatives: 0,
+            tried: [0; 2],
+        };
         runner.set_time(time);
         runner
     }
@@ -170,7 +189,13 @@ impl<'a, P: Scalar> Runner<'a, P> {
         let Pipeline { programs, vectors, .. } = &mut *self.pipeline;
         let mut energy = 0.0;
         for pass in &mut programs[key.index()].passes {
-            let fill = pass.every <= 1 || self.step.is_multiple_of(pass.every.into());
+            let fill = match self.pace {
+                _ if pass.every <= 1 => true,
+                Pace::Held => self.step.is_multiple_of(pass.every.into()),
+                Pace::Fast => continue,
+                Pace::With(pace) if pass.every != pace => continue,
+                Pace::With(_) => true,
+            };
             if pass.fills.is_none_or(|held| fill || !vectors.filled[held]) {
                 energy += run_pass(pass, &self.context);
                 // Shares that were only emptied are filled by the law's own pass, which comes next.
@@ -261,6 +286,22 @@ impl<P: Scalar> System for Runner<'_, P> {
         unsafe { self.pipeline.vectors.magnitudes(of, part, self.context.lent, each) };
     }
 
+    fn structure(&self) -> &Structure {
+        &self.pipeline.structure
+    }
+
+    fn find(&self, name: &str) -> Option<Quantity> {
+        self.quantity(name)
+    }
+
+    fn read(&self, quantity: Quantity, from: Register, to: &mut [f64]) {
+        self.read_quantity(quantity, from, to);
+    }
+
+    fn write(&mut self, quantity: Quantity, from: &[f64]) {
+        self.write_quantity(quantity, from);
+    }
+
     fn momenta_depend_on_momenta(&self) -> bool {
         self.pipeline.structure.momenta_depend_on_momenta.is_some()
     }
@@ -276,6 +317,41 @@ impl<P: Scalar> System for Runner<'_, P> {
         self.run(Key::Evaluate(Part::Coordinates));
         // SAFETY: as above.
         unsafe { self.pipeline.vectors.rates_are_momenta(self.context.lent) }
+    }
+
+    fn evaluate_at_pace(&mut self, pace: Pace) {
+        let before = core::mem::replace(&mut self.pace, pace);
+        self.evaluate(Part::Momenta);
+        self.pace = before;
+    }
+
+    fn paces(&self) -> Vec<u32> {
+        let all = self.pipeline.programs[Key::Evaluate(Part::Momenta).index()].passes.iter().map(|pass| pass.every);
+        let mut paces: Vec<u32> = all.filter(|pace| *pace > 1).collect();
+        paces.sort_unstable();
+        paces.dedup();
+        paces
+    }
+
+    fn steps_done(&self) -> u64 {
+        self.step
+    }
+
+    fn steps_ahead(&self) -> u64 {
+        self.ahead
+    }
+
+    fn evaluate_unturned(&mut self) {
+        self.evaluations += 1;
+        self.run(Key::Unturned);
+    }
+
+    fn turn_momenta(&mut self, time: f64, rotation: Rotation) {
+        self.rotate(time, rotation);
+    }
+
+    fn turns_amiss(&mut self) -> Option<String> {
+        self.find_amiss()
     }
 
     fn epsilon(&self) -> f64 {
@@ -331,164 +407,4 @@ impl<P: Scalar> System for Runner<'_, P> {
     fn count_step(&mut self, accepted: bool) {
         self.tried[usize::from(accepted)] += 1;
     }
-}
-
-fn run_pass<P: Scalar>(pass: &mut BoundPass<P>, context: &Context<'_, P>) -> f64 {
-    match &mut pass.pass {
-        // SAFETY: `Runner` is only made for a state with the layout that the program was tied to, held exclusively.
-        Pass::Group(group) => return unsafe { group.run(context) },
-        Pass::Pair(pass) => return run_pair(pass, context),
-        Pass::Link(pass) => return run_link(pass, context),
-        Pass::Column(pass) => run_columns(pass, context),
-        Pass::Axpy { parts, stage } => add_scaled(parts, Some(context.steps[*stage]), context),
-        Pass::Hold(parts) => add_scaled(parts, None, context),
-        Pass::Keep { switch: true, .. } if context.phase != Phase::Free => {}
-        Pass::Keep { parts, .. } => {
-            for (to, from, count) in parts.iter().copied() {
-                // SAFETY: both have `count` numbers, and are different columns.
-                unsafe { to.copy_from_nonoverlapping(from, count) };
-            }
-        }
-        Pass::Release(numbers) => {
-            for (start, count) in numbers {
-                // SAFETY: held shares are this program's own.
-                unsafe { core::slice::from_raw_parts_mut(*start, *count) }.fill(P::default());
-            }
-        }
-    }
-    0.0
-}
-
-fn add_scaled<P: Scalar>(parts: &[(Located<P>, *mut P)], step: Option<P>, context: &Context<'_, P>) {
-    for (to, from) in parts {
-        let start = to.base.resolve(context.lent);
-        for row in 0..to.len {
-            // SAFETY: both have `len` numbers; the runner holds the state.
-            unsafe {
-                let share = *from.add(row);
-                *start.add(row * to.stride) += step.map_or(share, |step| share * step);
-            }
-        }
-    }
-}
-
-/// Rows of a pair law that a thread takes at a time: a multiple of every width of lanes.
-const PAIR_GRAIN: usize = 64;
-
-fn run_pair<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 {
-    let Kernel::Pair(kernel) = &context.laws[pass.law].compiled.kernel else { return 0.0 };
-    for transfer in &pass.transfers {
-        // SAFETY: packed arrays have a number for every row.
-        unsafe { transfer.load(context.lent, 0..pass.rows, pass.packed[transfer.scratch].pointer()) };
-    }
-    let call = |rows: core::ops::Range<usize>| PairCall {
-        slots: &pass.slots,
-        rows: pass.rows,
-        from: rows.start,
-        to: rows.end,
-    };
-    if pass.energy {
-        // SAFETY: the slots have a number for every row.
-        return unsafe { kernel.energy(&call(0..pass.rows)) }.unwrap_or_default();
-    }
-    context.timed(pass.law, || {
-        in_parts(context, pass.threads, pass.rows, PAIR_GRAIN, |rows| {
-            // SAFETY: as above; parts sum for different rows.
-            unsafe { kernel.run(context.isa, &call(rows)) };
-        });
-    });
-    let first = first_result(context, pass.law);
-    context.watch(pass.law, || pass.slots[first..].iter().map(|start| (*start, 1, pass.rows)));
-    for transfer in pass.transfers.iter().filter(|transfer| transfer.save) {
-        // SAFETY: as above.
-        unsafe { transfer.store(context.lent, 0..pass.rows, pass.packed[transfer.scratch].pointer()) };
-    }
-    0.0
-}
-
-/// Links, and rows linked to, that a thread takes at a time.
-const LINK_GRAIN: usize = 1024;
-
-fn run_link<P: Scalar>(pass: &mut LinkPass<P>, context: &Context<'_, P>) -> f64 {
-    let Kernel::Link(kernel) = &context.laws[pass.law].compiled.kernel else { return 0.0 };
-    pass.resolved.clear();
-    pass.resolved
-        .extend(pass.slots.iter().map(|(base, stride)| Strided { start: base.resolve(context.lent), stride: *stride }));
-    // SAFETY: the links of the layout that the program was tied to.
-    let ends = unsafe { core::slice::from_raw_parts(pass.ends.0, pass.ends.1) };
-    let shares = pass.gather.as_ref().map_or(core::ptr::null_mut(), |gather| gather.shares.pointer());
-    let call = |links: core::ops::Range<usize>| LinkCall {
-        slots: &pass.resolved,
-        ends,
-        from: links.start,
-        to: links.end,
-        shares,
-    };
-    if pass.energy {
-        // SAFETY: the slots reach all rows, and the ends were checked when the state was made.
-        return unsafe { kernel.energy(&call(0..pass.links)) }.unwrap_or_default();
-    }
-    context.timed(pass.law, || {
-        let Some(gather) = &pass.gather else {
-            // SAFETY: as above.
-            unsafe { kernel.run(context.isa, &call(0..pass.links)) };
-            return;
-        };
-        in_parts(context, pass.threads, pass.links, LINK_GRAIN, |links| {
-            // SAFETY: as above; parts write the shares of different links.
-            unsafe { kernel.run(context.isa, &call(links)) };
-        });
-        let outputs = &pass.resolved[pass.resolved.len() - gather.outputs..];
-        in_parts(context, pass.threads, gather.first.len() - 1, LINK_GRAIN, |rows| {
-            for row in rows {
-                let items = gather.first[row] as usize..gather.first[row + 1] as usize;
-                for (output, to) in outputs.iter().enumerate() {
-                    // SAFETY: every row belongs to one part, and every share is written by now.
-                    unsafe {
-                        let to = to.start.add(row * to.stride);
-                        for &item in &gather.items[items.clone()] {
-                            *to += *gather.shares.pointer().add(item as usize * gather.outputs + output);
-                        }
-                    }
-                }
-            }
-        });
-    });
-    let first = first_result(context, pass.law);
-    context.watch(pass.law, || {
-        let rows = ends.iter().max().map_or(0, |row| *row as usize + 1);
-        pass.resolved[first..].iter().map(move |slot| (slot.start, slot.stride, rows))
-    });
-    0.0
-}
-
-/// The first slot that a law writes: results follow what it reads.
-pub(super) fn first_result<P: Scalar>(context: &Context<'_, P>, law: usize) -> usize {
-    let ports = context.laws[law].compiled.signature.ports;
-    ports.iter().filter(|port| port.mode.is_input()).map(|port| port.property.kind.width()).sum()
-}
-
-fn run_columns<P: Scalar>(pass: &mut ColumnPass<P>, context: &Context<'_, P>) {
-    let Kernel::Column(kernel) = &context.laws[pass.law].compiled.kernel else { return };
-    pass.views.clear();
-    pass.views.extend(pass.ports.iter().map(|(bases, stride, rows)| PortView {
-        components: bases.map(|base| base.map_or(core::ptr::null_mut(), |base| base.resolve(context.lent))),
-        stride: *stride,
-        rows: *rows,
-    }));
-    let link = pass.link.map(|(start, count, arity)| {
-        // SAFETY: the links of the layout that the program was tied to.
-        (unsafe { core::slice::from_raw_parts(start, count) }, arity)
-    });
-    // SAFETY: the views reach all rows of the columns of this law's ports; the runner holds the state.
-    let access = unsafe { ColumnAccess::new(&pass.views, link) };
-    context.timed(pass.law, || {
-        // SAFETY: as above.
-        unsafe { kernel.run(&access) };
-    });
-    context.watch(pass.law, || {
-        let ports = context.laws[pass.law].compiled.signature.ports.iter().zip(&pass.views);
-        let results = ports.filter(|(port, _)| !port.mode.is_input());
-        results.flat_map(|(_, view)| view.components.map(|start| (start, view.stride, view.rows)))
-    });
 }

@@ -276,6 +276,15 @@ fn is_below<P: Scalar>(value: P) -> bool {
 }
 
 impl<P: Scalar> RegionsAt<P> {
+    /// The region that a row is held in.
+    ///
+    /// # Safety
+    /// The row is of those that the regions were made for.
+    pub(crate) unsafe fn held(self, row: usize) -> u64 {
+        // SAFETY: passed on to the caller.
+        unsafe { *self.region.add(row) }
+    }
+
     /// Samples a field at some rows, from `first` on.
     ///
     /// # Safety

@@ -47,6 +47,8 @@ pub(crate) struct Vectors<P: Scalar> {
     pub(crate) compensated: bool,
     /// Whether components are staggered, with gaps between them.
     gaps: bool,
+    /// By what momenta are turned, and what they were before, where an integrator rotates them.
+    pub(crate) rotation: Vec<Aligned<P>>,
     /// Rounding errors before a step that may be taken again.
     kept_errors: Vec<P>,
     /// How many vectors the integrator asked for.
@@ -68,6 +70,7 @@ impl<P: Scalar> Default for Vectors<P> {
             registers: Vec::new(),
             compensated: false,
             gaps: false,
+            rotation: Vec::new(),
             kept_errors: Vec::new(),
             work: 0,
             ends: [0; 3],
@@ -79,8 +82,14 @@ impl<P: Scalar> Default for Vectors<P> {
 }
 
 impl<P: Scalar> Vectors<P> {
-    /// Zeros for every state, `work` vectors besides the rates, and the rounding errors where they are kept.
-    pub(crate) fn new(pipeline: &Pipeline<P>, state: &State<P>, work: usize, compensated: bool) -> Self {
+    /// Zeros for every state, `work` vectors besides the rates, the rounding errors where they are kept, and what rotating
+    /// needs.
+    pub(crate) fn new(
+        pipeline: &Pipeline<P>,
+        state: &State<P>,
+        work: usize,
+        (compensated, rotates): (bool, bool),
+    ) -> Self {
         let ordered = ordered(pipeline);
         let rows = |id: QuantityId| {
             let known = &pipeline.registry.quantities[id];
@@ -101,7 +110,7 @@ impl<P: Scalar> Vectors<P> {
             let from = match role {
                 Role::Coordinate => 0,
                 Role::Momentum(_) => 1,
-                Role::Plain | Role::Switch | Role::Sum { .. } => 2,
+                Role::Plain | Role::Switch | Role::Sum { .. } | Role::Turn { .. } => 2,
             };
             ends[from..].fill(at);
             states.push(StateProperty { quantity: id, role, len, components });
@@ -111,11 +120,14 @@ impl<P: Scalar> Vectors<P> {
         let filled = vec![false; held.len()];
         let momentum_behind = paired(&states, pipeline).then_some(ends[0]);
         let registers = (0..count).map(|stream| Aligned::zeros(at, stream + 7)).collect();
+        let turned = if rotates && !pipeline.turnings.is_empty() { 2 } else { 0 };
+        let rotation = (0..turned).map(|stream| Aligned::zeros(at, stream)).collect();
         Vectors {
             states,
             registers,
             compensated,
             gaps,
+            rotation,
             kept_errors: Vec::new(),
             work,
             ends,
@@ -132,6 +144,12 @@ impl<P: Scalar> Vectors<P> {
         Some(self.registers.first()?.pointer().wrapping_add(at))
     }
 
+    /// The components of what a momentum is turned by.
+    pub(crate) fn turned(&self, quantity: QuantityId, component: usize) -> Option<*mut P> {
+        let state = self.states.iter().find(|state| state.quantity == quantity)?;
+        Some(self.rotation.first()?.pointer().wrapping_add(state.components.get(component)?.at))
+    }
+
     /// The vector of a register; `None` for the state, which is not one array.
     pub(crate) fn vector(&self, register: Register) -> Option<*mut P> {
         match register {
@@ -146,6 +164,11 @@ impl<P: Scalar> Vectors<P> {
                 Some(self.registers[1 + number].pointer())
             }
         }
+    }
+
+    /// Numbers of a vector, with gaps.
+    pub(crate) fn len(&self) -> usize {
+        self.registers[0].as_slice().len()
     }
 
     /// The last vector that was asked for.

@@ -46,6 +46,15 @@ pub enum Role {
         /// The property whose values it starts from where the domain has them; else it starts from zero.
         start: Option<&'static str>,
     },
+    /// A sum of what turns a momentum: a force velocity x turn. A row law that adds to it and to the sum `of` says that its
+    /// share of `of` is one without the velocity `by`, and `by` x its share of the turn: with `by` zero it is the first
+    /// alone. Integrators that rotate ask for both apart; others have no use for it, and it costs them nothing.
+    Turn {
+        /// The sum that the turning adds to: "force".
+        of: &'static str,
+        /// What is turned: "velocity".
+        by: &'static str,
+    },
     /// Which case of its own a law is in: it sets the property, and looks at the value that was there when the step began,
     /// `reads(previous ..)`. The sign of a scalar is what counts: an integrator ends its step where the sign turns, so that
     /// no step goes across a jump. Each law that sets one has it to itself; its column is named after both.
@@ -53,6 +62,11 @@ pub enum Role {
 }
 
 impl Role {
+    /// Whether laws add to it.
+    pub const fn is_sum(&self) -> bool {
+        matches!(self, Role::Sum { .. } | Role::Turn { .. })
+    }
+
     /// "a coordinate", "a sum": for messages.
     pub(crate) fn word(&self) -> String {
         match self {
@@ -61,6 +75,7 @@ impl Role {
             Role::Momentum(of) => format!("which moves {of}"),
             Role::Sum { start: None } => "a sum".to_owned(),
             Role::Sum { start: Some(start) } => format!("a sum from {start}"),
+            Role::Turn { of, by } => format!("a turn of {of} by {by}"),
             Role::Switch => "a switch".to_owned(),
         }
     }
@@ -123,6 +138,12 @@ impl PropertyInfo {
     #[must_use]
     pub const fn sum_from(self, start: &'static str) -> Self {
         PropertyInfo { role: Role::Sum { start: Some(start) }, ..self }
+    }
+
+    /// The same as a sum of turns: a law that adds to it adds `by` x turn to `of`.
+    #[must_use]
+    pub const fn turn_of(self, of: &'static str, by: &'static str) -> Self {
+        PropertyInfo { role: Role::Turn { of, by }, ..self }
     }
 
     /// The same as a switch of the law that sets it.

@@ -17,6 +17,8 @@ property! {
     pub ExternalForce: Vector, "N";
     /// Sum of all forces.
     pub Force: Vector, "N", sum from ExternalForce;
+    /// What turns velocities without changing their magnitude: a force velocity x turn, such as that of a magnetic field.
+    pub Turn: Vector, "kg/s", turn of Force by Velocity;
     /// Sum of all accelerations, where laws give these instead of forces.
     pub Acceleration: Vector, "m/s^2", sum;
     /// Constant of gravitation times mass, known more exactly than either.

@@ -3,7 +3,7 @@
 use super::{Entry, Registry, Tie, computes, nearest_property, start_of};
 use crate::error::Fault;
 use crate::law::{Mode, Place, Port, Shape};
-use crate::property::{Kind, PropertyInfo, Role};
+use crate::property::{Kind, PropertyInfo};
 use crate::real::Scalar;
 use crate::state::State;
 
@@ -61,7 +61,7 @@ pub(super) fn entries(entries: &[Entry]) -> Vec<Fault> {
                 let kind = port.property.kind.to_string();
                 faults.push(Fault::FieldKind { field: port.property.name.to_owned(), kind });
             }
-            if port.mode == Mode::Adds && !matches!(port.property.role, Role::Sum { .. }) {
+            if port.mode == Mode::Adds && !port.property.role.is_sum() {
                 faults.push(Fault::AddToPlain { law: law(), property: port.property.name.to_owned() });
             }
         }
@@ -141,7 +141,7 @@ pub(super) fn seats<P: Scalar>(entries: &[Entry], registry: &Registry, state: &S
             let entry = &entries[seat.law];
             entry.signature.ports.iter().zip(&seat.ties).filter_map(move |(port, tie)| match tie {
                 // Adding to what is no sum is a fault of its own.
-                _ if port.mode == Mode::Adds && !matches!(port.property.role, Role::Sum { .. }) => None,
+                _ if port.mode == Mode::Adds && !port.property.role.is_sum() => None,
                 Tie::Quantity(id) if !port.mode.is_input() => Some(((entry.label(), number), port, *id)),
                 _ => None,
             })
@@ -223,7 +223,7 @@ pub(super) fn observed<P: Scalar>(
 ) {
     let computed = |name: &str| {
         let mut ports = entries.iter().flat_map(|entry| entry.signature.ports);
-        let made = |port: &Port| computes(port.mode) || matches!(port.property.role, Role::Sum { .. });
+        let made = |port: &Port| computes(port.mode) || port.property.role.is_sum();
         ports.any(|port| port.property.name == name && made(port))
     };
     for (domain, property) in observe {

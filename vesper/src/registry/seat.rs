@@ -4,7 +4,7 @@ use super::{Entry, Missing, Quantity, Tie, link_target, nearest_property};
 use crate::domain::SCENE;
 use crate::error::{Fault, nearest};
 use crate::law::{Mode, Place, Port, Shape};
-use crate::property::{Property, PropertyInfo, Role};
+use crate::property::{Property, PropertyInfo};
 use crate::real::Scalar;
 use crate::state::State;
 
@@ -23,7 +23,7 @@ impl Placed {
     /// Whether a domain has values of a property: given, a sum, or set by a law that is awake.
     pub(super) fn has<P: Scalar>(&self, domain: usize, property: &PropertyInfo, state: &State<P>) -> bool {
         given(state, domain, property.name).is_some()
-            || matches!(property.role, Role::Sum { .. })
+            || property.role.is_sum()
             || self.provided.contains(&(domain, property.name))
     }
 }
@@ -159,7 +159,7 @@ impl Standing {
         };
         let own = signature.ports.iter().filter(|port| port.place == Place::Own && needed(port));
         let link = signature.link.filter(|link| link_target(state, domain, link).is_none());
-        own.filter(|port| !matches!(port.property.role, Role::Sum { .. }) && !has(port.property.name)).count()
+        own.filter(|port| !port.property.role.is_sum() && !has(port.property.name)).count()
             + usize::from(link.is_some())
             + usize::from(signature.samples_fields() && !has(crate::property::Position::NAME))
     }

@@ -152,7 +152,7 @@ impl Layout {
             Mode::Sets | Mode::Amends => self.kinds[register] = Content::Set,
             Mode::Adds => self.kinds[register] = Content::Sum,
             Mode::Reads | Mode::Previous => {
-                if matches!(port.property.role, Role::Sum { .. }) {
+                if port.property.role.is_sum() {
                     self.kinds[register] = Content::Sum;
                 } else if matches!(self.kinds[register], Content::Set) {
                 } else if matches!(port.place, Place::Field) {

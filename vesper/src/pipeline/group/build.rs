@@ -8,7 +8,8 @@ use crate::law::Part;
 use crate::pipeline::bind::{Base, Binder, PARALLEL_ROWS, Transfer, threads};
 use crate::pipeline::chain::FusedChain;
 use crate::pipeline::merge::{NOTHING, kick_and_drift};
-use crate::pipeline::plan::{Key, Op, Operand, Placed};
+use crate::pipeline::operand::Operand;
+use crate::pipeline::plan::{Key, Op, Placed};
 use crate::real::{MAX_WIDTH, Scalar, Vector};
 use crate::registry::Backend;
 use core::ops::Range;
@@ -157,6 +158,8 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
     fn slot(&mut self, operand: Operand, writes: bool) -> Slot<P> {
         let located = match operand {
             Operand::Absent => return Slot::Fixed(core::ptr::null_mut()),
+            // Scratches begin as zeros, and nobody writes to this one.
+            Operand::Zero => return Slot::Scratch(self.scratch(operand)),
             Operand::Default(value) => return self.fixed(P::from_f64(value), 1),
             Operand::Field(field, component) => match self.uniform(field) {
                 Some(value) => return self.fixed(value[component], MAX_WIDTH),
@@ -164,6 +167,7 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
             },
             Operand::Quantity(..)
             | Operand::Rate(..)
+            | Operand::Turned(..)
             | Operand::Held(..)
             | Operand::Previous(..)
             | Operand::Constant(..) => {

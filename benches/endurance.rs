@@ -1,0 +1,228 @@
+//! What is left after very many steps: where rounding and drift decide, and not the order of a method.
+//!
+//! In: problems with known answers. Out: `benches/results/endurance/README.md`. Takes some ten minutes; `-- --test` runs a
+//! thousandth of each.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Instant;
+use vesper::prelude::*;
+use vesper::property::PropertyInfo;
+use vesper_benches::Run as Mode;
+use vesper_cli::assemble::integrators::integrator;
+use vesper_cli::study::{Problem as Study, read};
+use vesper_laws::Motion;
+use vesper_laws::reference::{Cyclotron, Kepler, Problem};
+
+/// A page of tables.
+struct Page(String);
+
+impl Page {
+    fn line(&mut self, words: &str) {
+        println!("{words}");
+        // Writing to a string cannot fail.
+        _ = writeln!(self.0, "{words}");
+    }
+}
+
+fn main() {
+    let mode = Mode::from_arguments();
+    if !mode.wants("endurance") {
+        return;
+    }
+    // What is asked for, and what is enough to see that it works.
+    let part = if mode == Mode::Measure { 1.0 } else { 1e-3 };
+    let begin = Instant::now();
+    let mut page = Page(String::new());
+    gyrations(&mut page, part);
+    oscillations(&mut page, part);
+    outer_planets(&mut page, part);
+    brouwer(&mut page, part);
+    if mode == Mode::Measure {
+        let minutes = begin.elapsed().as_secs_f64() / 60.0;
+        let head =
+            format!("# After very many steps\n\nMade by `cargo bench -- endurance` in {minutes:.0} minutes.\n\n");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/endurance");
+        std::fs::create_dir_all(&folder).expect("a folder for results");
+        std::fs::write(folder.join("README.md"), head + &page.0).expect("the page");
+    }
+}
+
+/// Whole steps of a run, of which there are too many for one call that could not be stopped.
+fn steps<P: Precision>(engine: &mut Engine<P>, count: u64, step: f64) {
+    engine.steps_of(count, step).expect("the run ends");
+}
+
+/// A charge in a uniform magnetic field.
+fn gyrations(page: &mut Page, part: f64) {
+    let turns = 1e6 * part;
+    page.line(&format!("## {turns:.0} gyrations in a uniform magnetic field\n"));
+    page.line("The relative change of the energy. A random walk of one rounding, 1.1e-16, per step comes to the last column.\n");
+    page.line("| integrator | omega h | compensated | steps | energy | walk | ns per step |");
+    page.line("|---|---|---|---|---|---|---|");
+    let problem = Cyclotron::default();
+    for (name, step, compensated) in [
+        ("boris", 0.1, false),
+        ("boris", 0.1, true),
+        ("boris", 0.5, false),
+        ("boris", 0.5, true),
+        ("boris_8", 2.0, false),
+    ] {
+        let count = (turns * core::f64::consts::TAU / step).round() as u64;
+        let made = (integrator(name).expect("it is known").make)(&|_, usual| usual);
+        let builder = problem.setup(Engine::<f64>::builder()).boxed_integrator(made).step(step);
+        let mut engine = if compensated { builder.compensated() } else { builder }.build().expect("it fits");
+        let energy = engine.energy().expect("it is known").0;
+        let begin = Instant::now();
+        steps(&mut engine, count, step);
+        let each = begin.elapsed().as_secs_f64() * 1e9 / count as f64;
+        let change = (engine.energy().expect("it is known").0 / energy - 1.0).abs();
+        let walk = 1.1e-16 * (count as f64).sqrt();
+        let kept = if compensated { "yes" } else { "no" };
+        page.line(&format!("| {name} | {step} | {kept} | {count} | {change:.0e} | {walk:.0e} | {each:.0} |"));
+    }
+    page.line("");
+}
+
+/// A spring from the origin: F = -k x, k = 1 N/m.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(reads(position: Position), adds(force: Force))]
+struct Pull;
+
+#[kernel]
+impl<R: Real> RowLaw<R> for Pull {
+    fn row(&self, body: PullRow<R>) -> R::Vec3 {
+        -body.position
+    }
+}
+
+/// A step of the oscillator, in s: so short that the method itself is off by no more than 2e-5 after a million periods, and no
+/// rational part of one, for roundings that come again after some periods hold the phase fast.
+const STEP: f64 = 0.2;
+
+/// One mass on a spring.
+fn oscillations(page: &mut Page, part: f64) {
+    let periods = 1e6 * part;
+    page.line(&format!("## {periods:.0} periods of an oscillator\n"));
+    page.line(&format!(
+        "`symplectic_8`, steps of {STEP} s of 2 pi; errors of place and velocity by their largest values, after the last.\n"
+    ));
+    page.line("| numbers | compensated | error | s |");
+    page.line("|---|---|---|---|");
+    for compensated in [false, true] {
+        oscillate::<f32>(page, periods, compensated);
+    }
+    oscillate::<f64>(page, periods, false);
+    page.line("");
+}
+
+fn oscillate<P: Precision>(page: &mut Page, periods: f64, compensated: bool) {
+    let bodies = Domain::new("bodies").with(Position, [[1.0, 0.0, 0.0]]).with(Velocity, [[0.0; 3]]).with(Mass, [1.0]);
+    let builder = Engine::<P>::builder().domain(bodies).law(Pull).law(Motion).integrator(Symplectic8::default());
+    let builder = builder.step(STEP);
+    let mut engine = if compensated { builder.compensated() } else { builder }.build().expect("it fits");
+    let begin = Instant::now();
+    steps(&mut engine, (periods * core::f64::consts::TAU / STEP).round() as u64, STEP);
+    let seconds = begin.elapsed().as_secs_f64();
+    let at = |property: PropertyInfo| engine.state().numbers("bodies", property).expect("it is there")[0];
+    let (sine, cosine) = engine.time().sin_cos();
+    let error = f64::max((at(Position::INFO) - cosine).abs(), (at(Velocity::INFO) + sine).abs());
+    let kept = if compensated { "yes" } else { "no" };
+    page.line(&format!("| {} | {kept} | {error:.0e} | {seconds:.1} |", P::NAME));
+}
+
+/// The straight line through points, by least squares: its slope, and the slope's standard error.
+fn line_through(points: &[(f64, f64)]) -> (f64, f64) {
+    let count = points.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
+    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
+    let squares: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
+    let slope = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>() / squares;
+    let rest: f64 = points.iter().map(|point| (point.1 - y - slope * (point.0 - x)).powi(2)).sum();
+    (slope, (rest / (count - 2.0) / squares).sqrt())
+}
+
+/// Sun and outer planets.
+fn outer_planets(page: &mut Page, part: f64) {
+    let count = (1e6 * part) as u64;
+    page.line(&format!("## {count} steps of the outer solar system\n"));
+    page.line(
+        "The relative error of the energy: the largest, and the slope of a line through 1000 of them, in units of the slope's \
+         own standard error over the whole run: a trend is one that is many times its error.\n",
+    );
+    page.line("| integrator | step, days | compensated | largest | trend over the run | by its standard error |");
+    page.line("|---|---|---|---|---|---|");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(root.join("../examples/references.json")).expect("the cases can be read");
+    let case = read(&text).expect("they are cases").into_iter().find(|case| case.id == "outer_solar_system");
+    let problem = Study::of_case(case.expect("it is among them"));
+    for (name, days, compensated) in [
+        ("leapfrog", 10.0, false),
+        ("symplectic_4", 50.0, false),
+        ("symplectic_6", 100.0, false),
+        ("symplectic_8", 100.0, false),
+        ("symplectic_8", 100.0, true),
+    ] {
+        // The case counts time in days.
+        let known = integrator(name).expect("it is known");
+        let configure = |builder: Builder<f64>| {
+            let builder = builder.boxed_integrator((known.make)(&|_, usual| usual)).step(days);
+            if compensated { builder.compensated() } else { builder }
+        };
+        let mut engine = problem.engine(configure).expect("it fits");
+        let begun = engine.energy().expect("it is known").0;
+        let (mut points, mut largest) = (Vec::new(), 0.0_f64);
+        let shown = count.min(1000);
+        for number in 0..shown {
+            steps(&mut engine, count / shown, days);
+            let error = (engine.energy().expect("it is known").0 - begun) / begun.abs();
+            largest = largest.max(error.abs());
+            points.push((number as f64 / shown as f64, error));
+        }
+        let (slope, noise) = line_through(&points);
+        let kept = if compensated { "yes" } else { "no" };
+        page.line(&format!(
+            "| {name} | {days} | {kept} | {largest:.1e} | {slope:.1e} | {:.1} |",
+            (slope / noise).abs()
+        ));
+    }
+    page.line("");
+}
+
+/// How the energy error of the method that comes to rounding grows.
+fn brouwer(page: &mut Page, part: f64) {
+    let orbits = 2e5 * part;
+    let phases = 8;
+    page.line(&format!("## {orbits:.0} orbits with `gauss_radau_15`\n"));
+    page.line(&format!(
+        "The root of the mean square of the relative energy error of {phases} orbits of eccentricities 0.1 to 0.45, at times \
+         that double. A random walk grows as the root of the time (Brouwer 1937), a systematic error as the time.\n"
+    ));
+    page.line("| orbits | energy |");
+    page.line("|---|---|");
+    let mut engines: Vec<(Engine<f64>, f64)> = (0..phases)
+        .map(|number| {
+            let problem = Kepler { eccentricity: 0.1 + 0.05 * f64::from(number) };
+            let builder = problem.setup(Engine::<f64>::builder()).integrator(GaussRadau15::default());
+            let mut engine = builder.build().expect("it fits");
+            let energy = engine.energy().expect("it is known").0;
+            (engine, energy)
+        })
+        .collect();
+    let mut points = Vec::new();
+    let (mut done, mut next) = (0.0, orbits / 256.0);
+    while next <= orbits {
+        let mut squares = 0.0;
+        for (engine, begun) in &mut engines {
+            engine.advance((next - done) * core::f64::consts::TAU).expect("the run ends");
+            let error = engine.energy().expect("it is known").0 / *begun - 1.0;
+            squares += error * error;
+        }
+        let mean = (squares / f64::from(phases)).sqrt();
+        points.push((next.ln(), mean.max(1e-17).ln()));
+        page.line(&format!("| {next:.0} | {mean:.1e} |"));
+        (done, next) = (next, 2.0 * next);
+    }
+    let (power, error) = line_through(&points);
+    page.line(&format!("\nThe power of the time by which it grows: {power:.2} +- {error:.2}."));
+}

@@ -1,0 +1,180 @@
+//! Work against precision, beside those whom the field uses: REBOUND, and a crate for ordinary differential equations.
+//!
+//! In: two cases of `examples/references.json`; a Python that has `rebound`, by `VESPER_PYTHON` or else `python3`. Out:
+//! `benches/results/work_precision/README.md`: for pairs of comparable methods, the time that each takes to an error. Without
+//! REBOUND that part is left out, and said to be. Takes some minutes; `-- --test` runs one coarse setting of each.
+
+mod work_precision {
+    pub mod compared;
+    pub mod ode;
+    pub mod ours;
+    pub mod rebound;
+}
+
+use std::fmt::Write;
+use std::path::Path;
+use vesper_benches::Run as Mode;
+use vesper_cli::study::{Case, CaseLaw, Problem, read};
+use work_precision::compared::{Curve, ratio};
+use work_precision::{ode, ours, rebound};
+
+/// Errors at which times are compared.
+const LEVELS: [f64; 4] = [1e-6, 1e-9, 1e-11, 1e-12];
+/// Times that everything is run, in turns.
+const ROUNDS: usize = 3;
+
+/// A case, and what is needed of it.
+#[derive(Debug)]
+pub struct Task {
+    case: Case,
+    problem: Problem,
+    gravity: f64,
+}
+
+impl Task {
+    /// A case up to a time.
+    fn new(mut case: Case, until: f64) -> Self {
+        case.samples.retain(|sample| sample.time <= until);
+        let gravity = case.laws.iter().find_map(|law| if let CaseLaw::Gravity(g, _) = law { Some(*g) } else { None });
+        let gravity = gravity.expect("bodies attract each other");
+        Task { problem: Problem::of_case(case.clone()), case, gravity }
+    }
+
+    /// The error of states at all times: positions and velocities of the rows.
+    pub fn error(&self, moments: &[[Vec<f64>; 2]]) -> f64 {
+        let answer = self.problem.answer.as_ref().expect("it is given");
+        let pairs = moments.iter().zip(&answer.moments);
+        let errors = pairs.map(|(moment, exact)| self.problem.distance(&moment.to_vec(), exact, &answer.scales));
+        if moments.len() == answer.moments.len() { errors.fold(0.0, f64::max) } else { f64::INFINITY }
+    }
+}
+
+/// Two methods that are alike: ours with its settings, theirs with its settings and options.
+struct Pair {
+    ours: (&'static str, Vec<f64>, &'static [(&'static str, f64)]),
+    theirs: (&'static str, Vec<f64>, &'static [(&'static str, &'static str)]),
+}
+
+/// Halves of a step, or tenths of a tolerance.
+fn ladder(first: f64, factor: f64, count: i32) -> Vec<f64> {
+    (0..count).map(|number| first * factor.powi(number)).collect()
+}
+
+fn main() {
+    let mode = Mode::from_arguments();
+    if !mode.wants("work_precision") {
+        return;
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(root.join("../examples/references.json")).expect("the cases can be read");
+    let cases = read(&text).expect("they are cases");
+    let task = |id: &str, until: f64| {
+        let case = cases.iter().find(|case| case.id == id).expect("it is among them");
+        Task::new(case.clone(), until)
+    };
+    // Roundings grow: to 1e-13 in the first 10 of its 70 units of time, to 1e-8 in 40.
+    let pythagorean = [task("pythagorean", 10.0), task("pythagorean", 40.0)];
+    let planets = task("outer_solar_system", f64::INFINITY);
+    let short = mode != Mode::Measure;
+    let cut = |mut settings: Vec<f64>| {
+        if short {
+            settings.truncate(1);
+        }
+        settings
+    };
+    let radau = |coarse: f64| cut(ladder(coarse, 0.1, 10));
+    let pairs = |leap: f64| {
+        vec![
+            Pair { ours: ("gauss_radau_15", radau(1e-1), &[]), theirs: ("ias15", radau(1e-1), &[]) },
+            Pair {
+                ours: ("leapfrog", cut(ladder(leap, 0.5, 7)), &[]),
+                theirs: ("leapfrog", cut(ladder(leap, 0.5, 7)), &[]),
+            },
+        ]
+    };
+    let mut page = String::new();
+    let mut compared = |task: &Task, pairs: Vec<Pair>| {
+        table(&mut page, task, &pairs, short);
+    };
+    for task in &pythagorean {
+        compared(task, pairs(2e-3));
+    }
+    let mut with_kepler = pairs(100.0);
+    // Steps that are not in whole numbers of one another's: a resonance with a period would decide.
+    let kepler = || cut(ladder(410.0, 0.63, 14));
+    let splittings: [(&str, &[_], &[_]); 3] = [
+        ("wisdom_holman", &[], &[("safe_mode", "0")]),
+        ("wisdom_holman", &[("corrector", 17.0)], &[("safe_mode", "0"), ("corrector", "17")]),
+        ("wisdom_holman_high", &[], &[("safe_mode", "0"), ("corrector", "17"), ("kernel", "lazy")]),
+    ];
+    for (name, own, options) in splittings {
+        with_kepler.push(Pair { ours: (name, kepler(), own), theirs: ("whfast", kepler(), options) });
+    }
+    compared(&planets, with_kepler);
+    if mode == Mode::Measure {
+        let folder = root.join("results/work_precision");
+        std::fs::create_dir_all(&folder).expect("a folder for results");
+        std::fs::write(folder.join("README.md"), page).expect("the page");
+    }
+}
+
+/// A table for a task.
+fn table(page: &mut String, task: &Task, pairs: &[Pair], short: bool) {
+    let mut line = |words: String| {
+        println!("{words}");
+        // Writing to a string cannot fail.
+        _ = writeln!(page, "{words}");
+    };
+    let rounds = if short { 1 } else { ROUNDS };
+    let mut ours: Vec<Curve> = Vec::new();
+    let mut theirs: Vec<Result<Curve, String>> = Vec::new();
+    let mut crates: Vec<Curve> = Vec::new();
+    for round in 0..rounds {
+        for (number, pair) in pairs.iter().enumerate() {
+            let curve = ours::curve(task, pair.ours.0, &pair.ours.1, pair.ours.2);
+            let peer = rebound::curve(task, pair.theirs.0, &pair.theirs.1, pair.theirs.2);
+            if round == 0 {
+                ours.push(curve);
+                theirs.push(peer);
+            } else {
+                ours[number].add(curve);
+                if let (Ok(known), Ok(peer)) = (&mut theirs[number], peer) {
+                    known.add(peer);
+                }
+            }
+        }
+        for (number, method) in ode::METHODS.iter().enumerate() {
+            let tolerances = if short { vec![1e-3] } else { ladder(1e-3, 0.1, 12) };
+            let own = ours::curve(task, method.ours, &tolerances, &[]);
+            let peer = ode::curve(task, method, &tolerances);
+            if round == 0 {
+                crates.extend([own, peer]);
+            } else {
+                crates[2 * number].add(own);
+                crates[2 * number + 1].add(peer);
+            }
+        }
+    }
+    let until = task.case.samples.last().map_or(0.0, |sample| sample.time);
+    line(format!("## `{}`, to time {until}\n", task.case.id));
+    line("| ours | theirs | error | ours, ms | theirs, ms | ours / theirs |".to_owned());
+    line("|---|---|---|---|---|---|".to_owned());
+    let mut compare = |ours: &Curve, theirs: &Curve| {
+        for level in LEVELS {
+            if let Some([own, peer, by]) = ratio(ours, theirs, level) {
+                let (own, peer) = (1e3 * own, 1e3 * peer);
+                line(format!("| {} | {} | {level:.0e} | {own:.2} | {peer:.2} | {by:.2} |", ours.name, theirs.name));
+            }
+        }
+    };
+    for (ours, theirs) in ours.iter().zip(&theirs) {
+        match theirs {
+            Ok(theirs) => compare(ours, theirs),
+            Err(reason) => println!("{} is not compared: {reason}", ours.name),
+        }
+    }
+    for both in crates.chunks_exact(2) {
+        compare(&both[0], &both[1]);
+    }
+    line(String::new());
+}

@@ -1,0 +1,169 @@
+//! Runs one pass over memory. In: a pass that is tied to a state, and what all passes of a run share. Out: results in
+//! their columns, or energies. Never: an order of passes.
+
+use super::bind::{BoundPass, ColumnPass, LinkPass, Located, PairPass, Pass};
+use super::run::{Context, in_parts};
+use super::switches::Phase;
+use crate::backend::{Kernel, LinkCall, PairCall, Strided};
+use crate::law::{ColumnAccess, PortView};
+use crate::real::Scalar;
+
+pub(super) fn run_pass<P: Scalar>(pass: &mut BoundPass<P>, context: &Context<'_, P>) -> f64 {
+    match &mut pass.pass {
+        // SAFETY: `Runner` is only made for a state with the layout that the program was tied to, held exclusively.
+        Pass::Group(group) => return unsafe { group.run(context) },
+        Pass::Pair(pass) => return run_pair(pass, context),
+        Pass::Link(pass) => return run_link(pass, context),
+        Pass::Column(pass) => run_columns(pass, context),
+        Pass::Axpy { parts, stage } => add_scaled(parts, Some(context.steps[*stage]), context),
+        Pass::Hold(parts) => add_scaled(parts, None, context),
+        Pass::Keep { switch: true, .. } if context.phase != Phase::Free => {}
+        Pass::Keep { parts, .. } => {
+            for (to, from, count) in parts.iter().copied() {
+                // SAFETY: both have `count` numbers, and are different columns.
+                unsafe { to.copy_from_nonoverlapping(from, count) };
+            }
+        }
+        Pass::Release(numbers) => {
+            for (start, count) in numbers {
+                // SAFETY: held shares are this program's own.
+                unsafe { core::slice::from_raw_parts_mut(*start, *count) }.fill(P::default());
+            }
+        }
+    }
+    0.0
+}
+
+fn add_scaled<P: Scalar>(parts: &[(Located<P>, *mut P)], step: Option<P>, context: &Context<'_, P>) {
+    for (to, from) in parts {
+        let start = to.base.resolve(context.lent);
+        for row in 0..to.len {
+            // SAFETY: both have `len` numbers; the runner holds the state.
+            unsafe {
+                let share = *from.add(row);
+                *start.add(row * to.stride) += step.map_or(share, |step| share * step);
+            }
+        }
+    }
+}
+
+/// Rows of a pair law that a thread takes at a time: a multiple of every width of lanes.
+const PAIR_GRAIN: usize = 64;
+
+fn run_pair<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 {
+    let Kernel::Pair(kernel) = &context.laws[pass.law].compiled.kernel else { return 0.0 };
+    for transfer in &pass.transfers {
+        // SAFETY: packed arrays have a number for every row.
+        unsafe { transfer.load(context.lent, 0..pass.rows, pass.packed[transfer.scratch].pointer()) };
+    }
+    let call = |rows: core::ops::Range<usize>| PairCall {
+        slots: &pass.slots,
+        rows: pass.rows,
+        from: rows.start,
+        to: rows.end,
+    };
+    if pass.energy {
+        // SAFETY: the slots have a number for every row.
+        return unsafe { kernel.energy(&call(0..pass.rows)) }.unwrap_or_default();
+    }
+    context.timed(pass.law, || {
+        in_parts(context, pass.threads, pass.rows, PAIR_GRAIN, |rows| {
+            // SAFETY: as above; parts sum for different rows.
+            unsafe { kernel.run(context.isa, &call(rows)) };
+        });
+    });
+    let first = first_result(context, pass.law);
+    context.watch(pass.law, || pass.slots[first..].iter().map(|start| (*start, 1, pass.rows)));
+    for transfer in pass.transfers.iter().filter(|transfer| transfer.save) {
+        // SAFETY: as above.
+        unsafe { transfer.store(context.lent, 0..pass.rows, pass.packed[transfer.scratch].pointer()) };
+    }
+    0.0
+}
+
+/// Links, and rows linked to, that a thread takes at a time.
+const LINK_GRAIN: usize = 1024;
+
+fn run_link<P: Scalar>(pass: &mut LinkPass<P>, context: &Context<'_, P>) -> f64 {
+    let Kernel::Link(kernel) = &context.laws[pass.law].compiled.kernel else { return 0.0 };
+    pass.resolved.clear();
+    pass.resolved
+        .extend(pass.slots.iter().map(|(base, stride)| Strided { start: base.resolve(context.lent), stride: *stride }));
+    // SAFETY: the links of the layout that the program was tied to.
+    let ends = unsafe { core::slice::from_raw_parts(pass.ends.0, pass.ends.1) };
+    let shares = pass.gather.as_ref().map_or(core::ptr::null_mut(), |gather| gather.shares.pointer());
+    let call = |links: core::ops::Range<usize>| LinkCall {
+        slots: &pass.resolved,
+        ends,
+        from: links.start,
+        to: links.end,
+        shares,
+    };
+    if pass.energy {
+        // SAFETY: the slots reach all rows, and the ends were checked when the state was made.
+        return unsafe { kernel.energy(&call(0..pass.links)) }.unwrap_or_default();
+    }
+    context.timed(pass.law, || {
+        let Some(gather) = &pass.gather else {
+            // SAFETY: as above.
+            unsafe { kernel.run(context.isa, &call(0..pass.links)) };
+            return;
+        };
+        in_parts(context, pass.threads, pass.links, LINK_GRAIN, |links| {
+            // SAFETY: as above; parts write the shares of different links.
+            unsafe { kernel.run(context.isa, &call(links)) };
+        });
+        let outputs = &pass.resolved[pass.resolved.len() - gather.outputs..];
+        in_parts(context, pass.threads, gather.first.len() - 1, LINK_GRAIN, |rows| {
+            for row in rows {
+                let items = gather.first[row] as usize..gather.first[row + 1] as usize;
+                for (output, to) in outputs.iter().enumerate() {
+                    // SAFETY: every row belongs to one part, and every share is written by now.
+                    unsafe {
+                        let to = to.start.add(row * to.stride);
+                        for &item in &gather.items[items.clone()] {
+                            *to += *gather.shares.pointer().add(item as usize * gather.outputs + output);
+                        }
+                    }
+                }
+            }
+        });
+    });
+    let first = first_result(context, pass.law);
+    context.watch(pass.law, || {
+        let rows = ends.iter().max().map_or(0, |row| *row as usize + 1);
+        pass.resolved[first..].iter().map(move |slot| (slot.start, slot.stride, rows))
+    });
+    0.0
+}
+
+/// The first slot that a law writes: results follow what it reads.
+pub(super) fn first_result<P: Scalar>(context: &Context<'_, P>, law: usize) -> usize {
+    let ports = context.laws[law].compiled.signature.ports;
+    ports.iter().filter(|port| port.mode.is_input()).map(|port| port.property.kind.width()).sum()
+}
+
+fn run_columns<P: Scalar>(pass: &mut ColumnPass<P>, context: &Context<'_, P>) {
+    let Kernel::Column(kernel) = &context.laws[pass.law].compiled.kernel else { return };
+    pass.views.clear();
+    pass.views.extend(pass.ports.iter().map(|(bases, stride, rows)| PortView {
+        components: bases.map(|base| base.map_or(core::ptr::null_mut(), |base| base.resolve(context.lent))),
+        stride: *stride,
+        rows: *rows,
+    }));
+    let link = pass.link.map(|(start, count, arity)| {
+        // SAFETY: the links of the layout that the program was tied to.
+        (unsafe { core::slice::from_raw_parts(start, count) }, arity)
+    });
+    // SAFETY: the views reach all rows of the columns of this law's ports; the runner holds the state.
+    let access = unsafe { ColumnAccess::new(&pass.views, link) };
+    context.timed(pass.law, || {
+        // SAFETY: as above.
+        unsafe { kernel.run(&access) };
+    });
+    context.watch(pass.law, || {
+        let ports = context.laws[pass.law].compiled.signature.ports.iter().zip(&pass.views);
+        let results = ports.filter(|(port, _)| !port.mode.is_input());
+        results.flat_map(|(_, view)| view.components.map(|start| (start, view.stride, view.rows)))
+    });
+}
