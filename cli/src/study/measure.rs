@@ -102,7 +102,9 @@ impl Method {
     pub fn setting_words(&self) -> String {
         match self.setting {
             Setting::Step(step) => format!("step {}", crate::output::rounded(step, 4)),
-            Setting::Tolerance(tolerance) => format!("{} {tolerance:.0e}", self.integrator.options[0]),
+            Setting::Tolerance(tolerance) => {
+                format!("{} {}", self.integrator.options[0], crate::output::rounded(tolerance, 3))
+            }
         }
     }
 

@@ -274,3 +274,15 @@ impl Problem {
         largest.into_iter().map(|scale| if scale > 0.0 { scale } else { first / self.length().max(1.0) }).collect()
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::Problem;
+
+    /// One of the reference problems.
+    pub(in crate::study) fn a_case(id: &str) -> Problem {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/references.json");
+        let cases = crate::study::read(&std::fs::read_to_string(file).unwrap()).unwrap();
+        Problem::of_case(cases.into_iter().find(|case| case.id == id).unwrap())
+    }
+}
