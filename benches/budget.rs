@@ -248,9 +248,10 @@ fn page(verdicts: &[Verdict], minutes: f64) -> String {
     let [studied, searched] = [0, 1].map(|of| verdicts.iter().map(|verdict| verdict.runs[of]).sum::<usize>());
     line_of("# The cheapest way to an error\n");
     line_of(&format!(
-        "Made by `cargo bench -- budget` in {minutes:.0} minutes. `vesper study --error` chooses a way for each case without its \
-         answer, in {studied} runs for all; an exhaustive search that has the answer makes {searched}: all integrators, steps \
-         by fourths of a halving, tolerances by fourths of a tenth, f64 and f32, with and without rounding errors kept.\n"
+        "Made by `cargo bench -- budget` in {minutes:.0} minutes. `vesper study --error`, as with `--precisions f64,f32 --limit \
+         {LIMIT}`, chooses a way for each case without its answer, in {studied} runs for all; an exhaustive search that has the \
+         answer makes {searched}: all integrators, steps by fourths of a halving, tolerances by fourths of a tenth, f64 and f32, \
+         with and without rounding errors kept.\n"
     ));
     line_of(&format!(
         "**{} of {} choices meet the error, and {} cost at most {ALLOWED} times the best.**\n",
@@ -262,7 +263,8 @@ fn page(verdicts: &[Verdict], minutes: f64) -> String {
         "Errors are the largest over all times and bodies, positions and velocities each by its largest magnitude: the true one \
          of the choice, and what was claimed of it without the answer. Times are medians of a race by turns between the choice \
          and the {FINALISTS} fastest runs of the search, on a shared machine; evaluations are exact. The best is the fastest in \
-         that race: the choice itself where the ratio is 1.\n",
+         that race: the choice itself where the ratio is 1, for the study looks closer than fourths where it ends. No run of \
+         the search takes more than {LIMIT} s.\n",
     ));
     line_of(
         "| case | allowed | error | claimed | choice | time | evaluations | best of all | time | evaluations | ratio |",

@@ -18,7 +18,8 @@ const ROUNDS: usize = 301;
 /// # Errors
 /// In words, why one of them does not come to the end.
 pub fn race(problem: &Problem, methods: &[Method], patience: &Patience, length: f64) -> Result<Vec<[f64; 3]>, String> {
-    let end = Instant::now() + Duration::from_secs_f64(length.clamp(0.0, 1e9));
+    // A length that is no number is none.
+    let end = Instant::now() + Duration::try_from_secs_f64(length.clamp(0.0, 1e9)).unwrap_or_default();
     let mut walls = vec![Vec::new(); methods.len()];
     for round in 0..ROUNDS {
         if round > 0 && Instant::now() > end {
@@ -72,9 +73,11 @@ mod tests {
             assert!(0.0 < shortest && shortest <= median && median <= longest, "{shortest} {median} {longest}");
         }
         assert!(slow[1] > 2.0 * fast[1], "{slow:?} {fast:?}");
-        // One round is all that there is no time for.
-        let [only] = race(&problem, &methods[..1], &patience, 0.0).unwrap()[..] else { panic!("one of one") };
-        assert!(only[0] == only[1] && only[1] == only[2], "{only:?}");
+        // One round is made where there is no time.
+        for length in [0.0, f64::NAN] {
+            let [only] = race(&problem, &methods[..1], &patience, length).unwrap()[..] else { panic!("one of one") };
+            assert!(only[0] == only[1] && only[1] == only[2], "{only:?}");
+        }
     }
 
     #[test]
