@@ -356,17 +356,21 @@ impl<P: Scalar> WithLanes<P> for Sum<'_, P> {
                 }
                 return (at..count).for_each(|number| self.in_f64::<1>(number));
             }
-            while at + 4 * width <= count {
+            if count < width {
+                return (0..count).for_each(|number| self.lanes::<P, 1>([number]));
+            }
+            // So that what is left for the last lanes is never less than one set of them.
+            while at + 5 * width <= count {
                 self.lanes::<R, 4>([at, at + width, at + 2 * width, at + 3 * width]);
                 at += 4 * width;
             }
-            let last = count.wrapping_sub(width);
-            match count - at {
-                rest if rest > 3 * width => self.lanes::<R, 4>([at, at + width, at + 2 * width, last]),
-                rest if rest > 2 * width => self.lanes::<R, 3>([at, at + width, last]),
-                rest if rest > width => self.lanes::<R, 2>([at, last]),
-                rest if rest == width => self.lanes::<R, 1>([at]),
-                _ => (at..count).for_each(|number| self.lanes::<P, 1>([number])),
+            let last = count - width;
+            match (count - at).div_ceil(width) {
+                1 => self.lanes::<R, 1>([last]),
+                2 => self.lanes::<R, 2>([at, last]),
+                3 => self.lanes::<R, 3>([at, at + width, last]),
+                4 => self.lanes::<R, 4>([at, at + width, at + 2 * width, last]),
+                _ => self.lanes::<R, 5>([at, at + width, at + 2 * width, at + 3 * width, last]),
             }
         }
     }
