@@ -13,7 +13,7 @@ use crate::fault::{SceneFault, Spanned, number};
 use crate::scene::Scene;
 
 /// Frames of a run by an adaptive integrator whose scene does not say their length.
-const ADAPTIVE_FRAMES: f64 = 200.0;
+pub(crate) const ADAPTIVE_FRAMES: f64 = 200.0;
 
 /// Beyond this a count of steps is no longer exact in f64.
 const MOST_STEPS: f64 = 1e15;

@@ -11,6 +11,7 @@ use super::case::Case;
 use super::setup;
 use crate::assemble;
 use crate::fault::SceneFault;
+use crate::run::course::ADAPTIVE_FRAMES;
 use crate::run::snapshot::{shown_columns, snapshot};
 use crate::scene::Scene;
 
@@ -35,6 +36,9 @@ pub struct Problem {
     pub answer: Option<Answer>,
     /// The step of the scene, in s, where it says one.
     pub step: Option<f64>,
+    /// The frame, in s, by which a run of the scene comes to these times where its integrator chooses its steps; without, it
+    /// goes from time to time.
+    pub frame: Option<f64>,
     /// What no motion changes; without, all that there is.
     pub conserved: Option<Vec<String>>,
     /// Laws that are switched off, by their labels.
@@ -83,6 +87,7 @@ impl Problem {
             quantities: ["bodies.position", "bodies.velocity"].map(|name| (name.to_owned(), 3)).to_vec(),
             answer: Some(answer),
             step: None,
+            frame: None,
             conserved: case.conserved.clone(),
             off: Vec::new(),
             source: Source::Case(Box::new(case)),
@@ -123,6 +128,7 @@ impl Problem {
                 ..scene.fault_of_file("there is nothing to study: the scene has no end")
             }]);
         };
+        let shown = scene.engine.frame.as_ref().map_or((end - start) / ADAPTIVE_FRAMES, |frame| frame.value);
         let frame = scene.engine.frame.as_ref().or(scene.engine.step.as_ref());
         let frame = frame.map_or((end - start) / MOMENTS as f64, |frame| frame.value);
         let frames = (((end - start) / frame - 1e-9).ceil() as usize).max(1);
@@ -136,6 +142,7 @@ impl Problem {
             quantities,
             answer: None,
             step: scene.engine.step.as_ref().map(|step| step.value),
+            frame: Some(shown),
             conserved: None,
             off: Vec::new(),
             source: Source::Scene(Box::new(scene)),

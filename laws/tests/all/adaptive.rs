@@ -171,3 +171,109 @@ fn nothing_moves_and_nothing_is_wrong() {
     let spring = at(&Oscillator { displacement: 0.0, ..Oscillator::default() }, GaussRadau15::default(), 1e3);
     assert!(spring.evaluations() < 100_000, "a spring at rest: {}", spring.evaluations());
 }
+
+/// A planet on an ellipse, by frames of this length, up to this time: the largest error of a place at the end of a frame, and
+/// the evaluations.
+fn by_frames(integrator: impl Integrator + 'static, frame: f64, end: f64) -> (f64, u64) {
+    let problem = Kepler { eccentricity: 0.3 };
+    let exact = |time: f64| {
+        let mut engine = problem.engine::<f64>(GaussRadau15::default(), end).unwrap();
+        engine.advance(time).unwrap();
+        engine.state().numbers("bodies", Position).unwrap()
+    };
+    let mut engine = problem.engine::<f64>(integrator, frame).unwrap();
+    let mut worst = 0.0;
+    let count = (end / frame).round() as u32;
+    for number in 1..=count {
+        engine.advance(frame).unwrap();
+        // Some of them, at no fixed place of a step.
+        if number.is_multiple_of(count / 16) || number == count {
+            let found = engine.state().numbers("bodies", Position).unwrap();
+            let exact = exact(engine.time());
+            worst = found.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(worst, f64::max);
+        }
+    }
+    (worst, engine.evaluations())
+}
+
+#[test]
+fn frames_shorter_than_steps_cost_no_further_steps() {
+    let tolerance = Tolerance::relative(1e-9);
+    for (name, whole, short) in [
+        (
+            "dormand_prince_5",
+            by_frames(DormandPrince5::new(tolerance), 6.0, 6.0),
+            by_frames(DormandPrince5::new(tolerance), 6.0 / 4096.0, 6.0),
+        ),
+        (
+            "dormand_prince_8",
+            by_frames(DormandPrince8::new(tolerance), 6.0, 6.0),
+            by_frames(DormandPrince8::new(tolerance), 6.0 / 4096.0, 6.0),
+        ),
+    ] {
+        println!("{name}: {whole:?} in one frame, {short:?} in 4096");
+        // Four more evaluations for twelve, and a step behind the end.
+        assert!(short.1 < whole.1 * 3 / 2 + 32, "{name}: {} evaluations, and not {}", short.1, whole.1);
+        assert!(short.0 < 20.0 * whole.0 + 1e-8, "{name}: {:e}, and not {:e}", short.0, whole.0);
+    }
+}
+
+#[test]
+fn within_a_step_the_error_has_its_order() {
+    // One step each, looked at in the middle and near both ends; the error of a step of order p goes with its power p + 1.
+    fn order(name: &str, make: fn(Tolerance) -> Box<dyn Integrator>, steps: [f64; 2]) -> f64 {
+        let problem = Kepler { eccentricity: 0.1 };
+        let loose = Tolerance { relative: 1e9, absolute: 1e9 };
+        let errors = steps.map(|step| {
+            [0.1, 0.45].map(|share| {
+                let place = |integrator: Box<dyn Integrator>, ahead: bool| {
+                    let builder = problem.setup(Engine::<f64>::builder()).boxed_integrator(integrator).step(step);
+                    let mut engine = builder.build().unwrap();
+                    engine.advance(share * step).unwrap();
+                    assert!(!ahead || engine.tried_steps() == [0, 1], "{name}: one step");
+                    engine.state().numbers("bodies", Position).unwrap()
+                };
+                let (found, exact) = (place(make(loose), true), place(Box::<GaussRadau15>::default(), false));
+                found.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+            })
+        });
+        let worst = errors.map(|errors| f64::max(errors[0], errors[1]));
+        let order = (worst[0] / worst[1]).log2() / (steps[0] / steps[1]).log2();
+        println!("{name}: {worst:?}, power {order:.2}");
+        order
+    }
+    let fifth = order("dormand_prince_5", |loose| Box::new(DormandPrince5::new(loose)), [0.1, 0.05]);
+    let eighth = order("dormand_prince_8", |loose| Box::new(DormandPrince8::new(loose)), [0.5, 0.25]);
+    assert!((fifth - 5.0).abs() < 0.3 && (eighth - 8.0).abs() < 0.5, "{fifth} {eighth}");
+}
+
+#[test]
+fn a_checkpoint_within_a_step_goes_on_with_the_same_bits_and_a_change_counts() {
+    for make in [
+        || Box::<DormandPrince5>::default() as Box<dyn Integrator>,
+        || Box::<DormandPrince8>::default() as Box<dyn Integrator>,
+    ] {
+        let engine = || {
+            let builder = Kepler { eccentricity: 0.3 }.setup(Engine::<f64>::builder());
+            builder.boxed_integrator(make()).step(1e-3).build().unwrap()
+        };
+        let numbers = |engine: &Engine<f64>| engine.state().numbers("bodies", Position).unwrap();
+        let (mut one, mut other) = (engine(), engine());
+        one.advance(0.007).unwrap();
+        let checkpoint = one.checkpoint().unwrap();
+        other.restore(&checkpoint).unwrap();
+        for engine in [&mut one, &mut other] {
+            for _ in 0..500 {
+                engine.advance(1e-3).unwrap();
+            }
+        }
+        assert_eq!(numbers(&one), numbers(&other), "{}", one.integrator().name());
+        // From where it is now, not from the end of a step that was taken before.
+        let place = |engine: &Engine<f64>| engine.state().get("bodies", Position, 1).unwrap();
+        let before = place(&one);
+        one.state_mut().set("bodies", Velocity, 1, DVec3::ZERO).unwrap();
+        one.advance(1e-3).unwrap();
+        let moved = (place(&one) - before).length();
+        assert!(moved < 2e-6, "{}: {moved:e}", one.integrator().name());
+    }
+}

@@ -89,6 +89,11 @@ impl Span {
         Span { begin: system.time(), length, done: 0.0, error: 0.0, tried: 0, mark: 0.0 }
     }
 
+    /// Whether nothing of it is covered yet.
+    pub(super) fn is_untouched(&self) -> bool {
+        self.done == 0.0
+    }
+
     /// What is left, in s.
     pub(super) fn rest(&self) -> f64 {
         (self.length - self.done) + self.error

@@ -11,7 +11,7 @@
 //!
 //! What laws declare says neither how stiff they are nor what error a scene can bear: `vesper study` measures that.
 
-use super::{GaussRadau15, Integrator, Leapfrog, Respa, Structure, System};
+use super::{GaussRadau15, Integrator, Leapfrog, Respa, StableLimits, Structure, System};
 use crate::error::Fault;
 
 /// Takes the integrator that the structure of the laws suggests.
@@ -55,6 +55,12 @@ impl Integrator for Auto {
     fn rotates(&self) -> bool {
         self.chosen.rotates()
     }
+    fn needs_derivatives(&self) -> bool {
+        self.chosen.needs_derivatives()
+    }
+    fn stable_limits(&self, second_order: bool) -> Option<StableLimits> {
+        self.chosen.stable_limits(second_order)
+    }
     fn suit(&mut self, structure: &Structure) -> bool {
         self.settled = true;
         let respa = Respa::default();
@@ -79,6 +85,9 @@ impl Integrator for Auto {
     }
     fn step(&mut self, system: &mut dyn System, step: f64) -> Result<(), Fault> {
         self.chosen.step(system, step)
+    }
+    fn finish(&mut self, system: &mut dyn System) -> Result<(), Fault> {
+        self.chosen.finish(system)
     }
     fn restart(&mut self) {
         self.chosen.restart();

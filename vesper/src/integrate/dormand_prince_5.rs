@@ -1,7 +1,7 @@
 //! The method of Dormand and Prince of order 5, with an error of order 4.
 //!
 //! Order 5, six evaluations per step (the seventh is the first of the next step); the step follows the tolerance, and
-//! the solution of order 5 is kept. For moderate errors. Not symplectic, and not for stiff
+//! the solution of order 5 is kept. Frames within a step get a dense output of order 4. For moderate errors. Not symplectic, and not for stiff
 //! laws, as `dormand_prince_8`, which is cheaper for small errors
 //! (`cargo test -p vesper-laws adaptive -- --nocapture`).
 //!
@@ -9,6 +9,7 @@
 //! Equations I, 2nd ed. (1993), II.5, table 5.2.
 
 use super::adaptive::Control;
+use super::dense::Dense;
 use super::runge_kutta::{Embedded, Progress, adaptive_runge_kutta};
 use super::{Integrator, System, Tolerance};
 use crate::error::Fault;
@@ -59,6 +60,18 @@ const METHOD: Embedded<1> = Embedded {
     error: |[error]| error,
     last_is_first: true,
     control: Control { order: 5, beta: 0.04, limits: [0.2, 10.0] },
+    dense: Dense { further: &[], terms: &[FOURTH] },
 };
 
 const WEIGHTS: &[f64] = &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0];
+
+/// The last term of the dense output, of order 4.
+const FOURTH: &[f64] = &[
+    -12_715_105_075.0 / 11_282_082_432.0,
+    0.0,
+    87_487_479_700.0 / 32_700_410_799.0,
+    -10_690_763_975.0 / 1_880_347_072.0,
+    701_980_252_875.0 / 199_316_789_632.0,
+    -1_453_857_185.0 / 822_651_844.0,
+    69_997_945.0 / 29_380_423.0,
+];

@@ -30,6 +30,7 @@ mod adaptive;
 mod auto;
 mod boris;
 mod boris_8;
+mod dense;
 mod dormand_prince_5;
 mod dormand_prince_8;
 mod drift_kick_drift;

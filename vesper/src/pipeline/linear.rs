@@ -9,6 +9,9 @@ use core::ops::Range;
 /// Terms that are summed in one pass; more are added in further ones.
 const TERMS: usize = 24;
 
+/// Numbers that are summed in f64 side by side.
+const WIDE: usize = 8;
+
 /// Vectors that are looked at together.
 const LOOKS: usize = 12;
 
@@ -86,18 +89,19 @@ impl<P: Scalar> Vectors<P> {
         }
         let start = |register| self.vector(register).unwrap_or(image).wrapping_add(span.start);
         let behind = self.momentum_behind.unwrap_or(0);
-        let mut sources = [(P::default(), core::ptr::null::<P>()); TERMS];
+        let mut sources = [(0.0, core::ptr::null::<P>()); TERMS];
         for (source, (factor, from)) in sources.iter_mut().zip(momenta) {
-            *source = (P::from_f64(*factor), start(*from).wrapping_add(behind));
+            *source = (*factor, start(*from).wrapping_add(behind).cast_const());
         }
         for (source, (factor, from)) in sources[momenta.len()..].iter_mut().zip(terms) {
-            *source = (P::from_f64(*factor), start(*from));
+            *source = (*factor, start(*from).cast_const());
         }
         let errors = if to == Register::State && adds { self.carry() } else { None };
         let sum = Sum {
             to: start(to),
             errors: errors.map_or(core::ptr::null_mut(), |errors| errors.wrapping_add(span.start)),
             adds,
+            wide: self.sums_in_f64(),
             count: span.len(),
             sources: &sources[..momenta.len() + terms.len()],
         };
@@ -106,6 +110,12 @@ impl<P: Scalar> Vectors<P> {
             // SAFETY: as above.
             unsafe { self.each_component(part, lent, image, |state, image| *state = *image) };
         }
+    }
+
+    /// Whether f64 has more digits than the state, and they are wanted: where rounding errors are kept. A step, or a
+    /// coefficient of an integrator, that is rounded to f32 is wrong by the same part each time, which no kept error mends.
+    fn sums_in_f64(&self) -> bool {
+        self.compensated && P::EPSILON > f64::EPSILON
     }
 
     /// Gives every number of a part of the state, and its place in the image.
@@ -134,7 +144,7 @@ impl<P: Scalar> Vectors<P> {
         let count = momenta.len() + terms.len();
         for (_, state) in self.part(part) {
             for (number, component) in state.components.iter().enumerate() {
-                let mut sources = [(P::default(), core::ptr::null::<P>()); TERMS];
+                let mut sources = [(0.0, core::ptr::null::<P>()); TERMS];
                 let mut strides = [1; TERMS];
                 let moving = momenta.iter().map(|(factor, from)| match self.vector(*from) {
                     Some(start) => (*factor, start.wrapping_add(component.at + behind), 1),
@@ -150,12 +160,13 @@ impl<P: Scalar> Vectors<P> {
                 let (start, stride) = self.place(to, component, lent);
                 let mut even = stride == 1;
                 for (index, (factor, from, stride)) in moving.chain(own).enumerate() {
-                    sources[index] = (P::from_f64(factor), from.cast_const());
+                    sources[index] = (factor, from.cast_const());
                     strides[index] = stride;
                     even &= stride == 1;
                 }
                 let errors = errors.map_or(core::ptr::null_mut(), |errors| errors.wrapping_add(component.at));
-                let sum = Sum { to: start, errors, adds, count: state.len, sources: &sources[..count] };
+                let wide = self.sums_in_f64();
+                let sum = Sum { to: start, errors, adds, wide, count: state.len, sources: &sources[..count] };
                 if even {
                     P::with_lanes(isa, sum);
                 } else {
@@ -234,8 +245,10 @@ struct Sum<'a, P> {
     /// The rounding errors of what is added to, or null.
     errors: *mut P,
     adds: bool,
+    /// Whether it is summed in f64, of numbers that are none.
+    wide: bool,
     count: usize,
-    sources: &'a [(P, *const P)],
+    sources: &'a [(f64, *const P)],
 }
 
 impl<P: Scalar> Sum<'_, P> {
@@ -249,7 +262,7 @@ impl<P: Scalar> Sum<'_, P> {
         unsafe {
             let mut sums = [R::lit(0.0); SETS];
             for (number, (factor, from)) in self.sources.iter().enumerate() {
-                let factor = R::splat(*factor);
+                let factor = R::splat(P::from_f64(*factor));
                 for (sum, start) in sums.iter_mut().zip(starts) {
                     let term = R::load(from.add(start)) * factor;
                     *sum = if number == 0 { term } else { *sum + term };
@@ -278,22 +291,50 @@ impl<P: Scalar> Sum<'_, P> {
         }
     }
 
+    /// Numbers from this one on, summed in f64. What is added to the state has there what f32 left out, as far as another f32
+    /// holds it: the state has 48 bits.
+    ///
+    /// # Safety
+    /// All pointers are to `count` numbers, which nobody else touches, and these are among them.
+    #[inline(always)]
+    unsafe fn in_f64<const COUNT: usize>(&self, at: usize) {
+        let mut sums = [0.0; COUNT];
+        // SAFETY: the caller promises the numbers.
+        unsafe {
+            for (factor, from) in self.sources {
+                for (number, sum) in sums.iter_mut().enumerate() {
+                    *sum += factor * (*from.add(at + number)).to_f64();
+                }
+            }
+            for (number, sum) in sums.into_iter().enumerate() {
+                let (to, errors) = (self.to.add(at + number), self.errors.wrapping_add(at + number));
+                let keeps = self.adds && !self.errors.is_null();
+                let error = if keeps { (*errors).to_f64() } else { 0.0 };
+                let exact = if self.adds { (*to).to_f64() + (sum - error) } else { sum };
+                *to = P::from_f64(exact);
+                if keeps {
+                    *errors = P::from_f64((*to).to_f64() - exact);
+                }
+            }
+        }
+    }
+
     /// One number at a time, at their own distances.
     ///
     /// # Safety
     /// All pointers are to `count` numbers, so far apart, which nobody else touches.
     unsafe fn strided(&self, stride: usize, strides: &[usize]) {
         for row in 0..self.count {
-            let mut sources = [(P::default(), core::ptr::null::<P>()); TERMS];
+            let mut sources = [(0.0, core::ptr::null::<P>()); TERMS];
             for ((source, (factor, from)), stride) in sources.iter_mut().zip(self.sources).zip(strides) {
                 *source = (*factor, from.wrapping_add(row * stride));
             }
             let errors = if self.errors.is_null() { self.errors } else { self.errors.wrapping_add(row) };
             let to = self.to.wrapping_add(row * stride);
             let sources = &sources[..self.sources.len()];
-            let one = Sum { to, errors, adds: self.adds, count: 1, sources };
+            let one = Sum { to, errors, count: 1, sources, ..*self };
             // SAFETY: passed on to the caller.
-            unsafe { one.lanes::<P, 1>([0]) };
+            unsafe { if one.wide { one.in_f64::<1>(0) } else { one.lanes::<P, 1>([0]) } };
         }
     }
 }
@@ -302,23 +343,34 @@ impl<P: Scalar> WithLanes<P> for Sum<'_, P> {
     type Output = ();
     #[inline(always)]
     fn with<R: Lanes<P>>(self) {
-        let Sum { count, .. } = self;
+        let count = self.count;
         let width = R::WIDTH;
         let mut at = 0;
         // SAFETY: whoever makes a sum has pointers to that many numbers, and the runner holds the state; the last lanes end
         // with the last number, and overlap those before them.
         unsafe {
-            while at + 4 * width <= count {
+            if self.wide {
+                while at + WIDE <= count {
+                    self.in_f64::<WIDE>(at);
+                    at += WIDE;
+                }
+                return (at..count).for_each(|number| self.in_f64::<1>(number));
+            }
+            if count < width {
+                return (0..count).for_each(|number| self.lanes::<P, 1>([number]));
+            }
+            // So that what is left for the last lanes is never less than one set of them.
+            while at + 5 * width <= count {
                 self.lanes::<R, 4>([at, at + width, at + 2 * width, at + 3 * width]);
                 at += 4 * width;
             }
-            let last = count.wrapping_sub(width);
-            match count - at {
-                rest if rest > 3 * width => self.lanes::<R, 4>([at, at + width, at + 2 * width, last]),
-                rest if rest > 2 * width => self.lanes::<R, 3>([at, at + width, last]),
-                rest if rest > width => self.lanes::<R, 2>([at, last]),
-                rest if rest == width => self.lanes::<R, 1>([at]),
-                _ => (at..count).for_each(|number| self.lanes::<P, 1>([number])),
+            let last = count - width;
+            match (count - at).div_ceil(width) {
+                1 => self.lanes::<R, 1>([last]),
+                2 => self.lanes::<R, 2>([at, last]),
+                3 => self.lanes::<R, 3>([at, at + width, last]),
+                4 => self.lanes::<R, 4>([at, at + width, at + 2 * width, last]),
+                _ => self.lanes::<R, 5>([at, at + width, at + 2 * width, at + 3 * width, last]),
             }
         }
     }
