@@ -72,7 +72,6 @@ mod tests {
         for [median, shortest, longest] in [slow, fast] {
             assert!(0.0 < shortest && shortest <= median && median <= longest, "{shortest} {median} {longest}");
         }
-        assert!(slow[1] > 2.0 * fast[1], "{slow:?} {fast:?}");
         // One round is made where there is no time.
         for length in [0.0, f64::NAN] {
             let [only] = race(&problem, &methods[..1], &patience, length).unwrap()[..] else { panic!("one of one") };
