@@ -18,6 +18,12 @@ use vesper_cli::study::{Case, CaseLaw, Problem, read};
 use work_precision::compared::{Curve, ratio};
 use work_precision::{ode, ours, rebound};
 
+/// What the page begins with.
+const HEAD: &str = "# Beside others\n\nMade by `VESPER_PYTHON=.. cargo bench -- work_precision`, with a Python that has REBOUND: \
+    the time that each takes to an error, between the settings that were run, on one core of a shared machine, by turns, medians \
+    of three. Errors are the largest over all times and bodies, positions and velocities each by the case's scale.\n\nWith few \
+    bodies the time goes to what an evaluation costs before anything is computed: the laws are composed at run time, pass by pass, \
+    where the peers are compiled for this one problem. With six bodies the methods decide.\n\n";
 /// Errors at which times are compared.
 const LEVELS: [f64; 4] = [1e-6, 1e-9, 1e-11, 1e-12];
 /// Times that everything is run, in turns.
@@ -92,7 +98,7 @@ fn main() {
             },
         ]
     };
-    let mut page = String::new();
+    let mut page = HEAD.to_owned();
     let mut compared = |task: &Task, pairs: Vec<Pair>| {
         table(&mut page, task, &pairs, short);
     };
