@@ -66,7 +66,9 @@ impl Jump {
         let least = self.least;
         // Wide enough for a place within, a little off both ends, however these are rounded.
         if width <= 4.0 * least || self.tries > MOST {
-            return if turned { Found::Here } else { Found::Closer(self.high) };
+            // The end at which something had turned, where a step that is taken again may show nothing: an iteration begins
+            // from somewhere else, and comes to the last digits that it is asked for, not to all.
+            return if turned || length >= self.high { Found::Here } else { Found::Closer(self.high) };
         }
         // An end that stays counts for half as much each time, so that the other one does not creep up to it.
         let weight = |stayed: i32| if stayed > 1 { 0.5f64.powi(stayed - 1) } else { 1.0 };
