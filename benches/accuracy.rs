@@ -11,8 +11,7 @@ use vesper_benches::Run as Mode;
 use vesper_cli::assemble::integrators::{AUTO, integrator};
 use vesper_cli::scene::Precision;
 use vesper_cli::study::{
-    Answer, Findings, Grid, Keeper, LEVELS, Method, Patience, Problem, Refusal, Run, Setting, answer, diagram, makers,
-    measure, read,
+    Answer, Findings, Grid, LEVELS, Method, Patience, Problem, Run, Setting, answer, diagram, makers, measure, read,
 };
 
 /// What runs where nothing is measured.
@@ -31,21 +30,6 @@ const WHY: [(&str, &str); 3] = [
 /// Time that the integrator of the laws' own structure may take for one case, in s: the one of a million periods takes it.
 const LONG: f64 = 900.0;
 
-#[derive(Default)]
-struct Log(Findings);
-
-impl Keeper for Log {
-    fn ran(&mut self, run: Run) {
-        self.0.runs.push(run);
-    }
-    fn timed(&mut self, again: Run) {
-        self.0.time(again);
-    }
-    fn refused(&mut self, refusal: Refusal) {
-        self.0.refusals.push(refusal);
-    }
-}
-
 fn main() {
     let mode = Mode::from_arguments();
     if !mode.wants("accuracy") {
@@ -57,20 +41,20 @@ fn main() {
     let chosen = |id: &str| mode == Mode::Measure || SMALL.contains(&id);
     let problems: Vec<Problem> = cases.into_iter().filter(|case| chosen(&case.id)).map(Problem::of_case).collect();
     let grid = Grid::of_all(Patience { limit: 1.0, ..Patience::default() });
-    let mut log = Log::default();
+    let mut log = Findings::default();
     let begin = Instant::now();
     for problem in &problems {
-        log.0.answers.push((problem.id.clone(), Ok(("given".to_owned(), 0.0))));
+        log.answers.push((problem.id.clone(), Ok(("given".to_owned(), 0.0))));
         grid.study(&mut problem.clone(), &mut log);
-        let nearest = log.0.best(&problem.id).and_then(|run| run.error);
+        let nearest = log.best(&problem.id).and_then(|run| run.error);
         println!("accuracy {}: {:.0e} at best", problem.id, nearest.unwrap_or(f64::NAN));
     }
     let defaults: Vec<f64> = problems.iter().map(by_default).collect();
     let claims = claims(&problems);
     let minutes = begin.elapsed().as_secs_f64() / 60.0;
-    let page = page(&log.0, (&problems, &defaults), &claims, minutes);
+    let page = page(&log, (&problems, &defaults), &claims, minutes);
     if mode == Mode::Measure {
-        write(&root.join("results/accuracy"), &page, &log.0);
+        write(&root.join("results/accuracy"), &page, &log);
     }
 }
 

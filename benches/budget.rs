@@ -14,9 +14,7 @@ use vesper::prelude::Backend;
 use vesper_benches::Run as Mode;
 use vesper_cli::assemble::integrators::{NamedIntegrator, methods};
 use vesper_cli::scene::Precision;
-use vesper_cli::study::{
-    Answer, Budget, Findings, Grid, Keeper, Method, Patience, Problem, Refusal, Run, Setting, measure, race, read,
-};
+use vesper_cli::study::{Answer, Budget, Findings, Grid, Method, Patience, Problem, Run, Setting, measure, race, read};
 
 /// Cases, and the errors that are allowed.
 const PAIRS: [(&str, f64); 12] = [
@@ -48,21 +46,6 @@ const FINALISTS: usize = 8;
 const RACE: f64 = 3.0;
 /// What a choice may cost, by the cheapest way.
 const ALLOWED: f64 = 1.3;
-
-#[derive(Default)]
-struct Log(Findings);
-
-impl Keeper for Log {
-    fn ran(&mut self, run: Run) {
-        self.0.runs.push(run);
-    }
-    fn timed(&mut self, again: Run) {
-        self.0.time(again);
-    }
-    fn refused(&mut self, refusal: Refusal) {
-        self.0.refusals.push(refusal);
-    }
-}
 
 /// A pair, and what came of it.
 struct Verdict {
@@ -116,13 +99,13 @@ fn judge(given: &Problem, error: f64) -> Verdict {
     let numbers = vec![Precision::F64, Precision::F32];
     let grid = Grid { numbers, enough: Some(error), ..Grid::of_all(patience.clone()) };
     let budget = Budget { error, fps: None };
-    let (mut blind, mut log) = (given.clone().without_answer(), Log::default());
+    let (mut blind, mut log) = (given.clone().without_answer(), Findings::default());
     let begin = Instant::now();
     grid.study(&mut blind, &mut log);
-    let runs = log.0.runs.clone();
+    let runs = log.runs.clone();
     budget.refine(&grid, &blind, runs, &mut log);
     let studied = begin.elapsed().as_secs_f64();
-    let choice = budget.choice(&blind, &log.0).expect("something meets the error").clone();
+    let choice = budget.choice(&blind, &log).expect("something meets the error").clone();
     // The same scales, or errors could not be compared; nothing else of what the study made.
     let scales = blind.answer.as_ref().map(|answer| answer.scales.clone()).expect("there was an answer to choose by");
     let mut truth = given.clone();
@@ -151,7 +134,7 @@ fn judge(given: &Problem, error: f64) -> Verdict {
         error: found[0].error.unwrap_or(f64::INFINITY),
         choice: ways[0].clone(),
         best,
-        runs: [log.0.runs.len(), count],
+        runs: [log.runs.len(), count],
     }
 }
 

@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use vesper::prelude::Backend;
 
 use super::budget::Budget;
-use super::grid::Refusal;
+use super::grid::{Keeper, Refusal};
 use super::measure::{Method, Run, Setting};
 use super::problem::Problem;
 use crate::assemble::integrators::integrator;
@@ -28,6 +28,21 @@ pub struct Findings {
     pub runs: Vec<Run>,
     /// Integrators that cannot.
     pub refusals: Vec<Refusal>,
+}
+
+/// Keeps everything, and tells nobody.
+impl Keeper for Findings {
+    fn ran(&mut self, run: Run) {
+        self.runs.push(run);
+    }
+
+    fn timed(&mut self, again: Run) {
+        self.time(again);
+    }
+
+    fn refused(&mut self, refusal: Refusal) {
+        self.refusals.push(refusal);
+    }
 }
 
 impl Findings {

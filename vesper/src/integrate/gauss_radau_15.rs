@@ -9,8 +9,8 @@
 //! Where the rate of every coordinate is its momentum (Motion) only the momenta have polynomials, and coordinates are
 //! their second integrals: fewer rounds, since they need not wait for them.
 //!
-//! Each round closes what the one before left open by a factor that two of them show, 1e-5 where the precision is the usual one;
-//! the last round is the one after which nothing is left that could add up, or that the error of the step would hide.
+//! Each round closes what the one before left open by a factor that two of them show; the last round is the one after which
+//! nothing is left that could add up, or that is not hidden by the error of the step.
 //!
 //! The step is chosen so that the highest term of the polynomial, at the end of the step, is a given part of the largest
 //! rate on the way, row by row. (The source compares with the rate at one time, which asks for a step of length zero where
