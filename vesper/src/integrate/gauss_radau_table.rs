@@ -231,3 +231,30 @@ pub(super) const REST: [[f64; NODES]; 2] = [
         -7.084_870_219_445_918e-20,
     ],
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// How far the mean of the places, by their weights, is from the middle of the step: what gives an energy error its sign.
+    fn off(rests: &[f64; NODES]) -> f64 {
+        let (mut sum, mut rest) = (-0.5, 0.0);
+        for k in 0..NODES {
+            let (weight, place) = (ONCE[NODES - 1][k], AT[k]);
+            let product: f64 = weight * place;
+            rest += weight.mul_add(place, -product) + weight * rests[k] + REST[0][k] * place;
+            let before = sum;
+            sum += product;
+            // Knuth's sum: what was rounded away is in the rest.
+            let back = sum - before;
+            rest += (before - (sum - back)) + (product - back);
+        }
+        (sum + rest).abs()
+    }
+
+    #[test]
+    fn places_and_weights_are_exact_beyond_f64() {
+        assert!(off(&AT_REST) < 1e-30, "{:e}", off(&AT_REST));
+        assert!(off(&[0.0; NODES]) > 1e-18, "{:e}", off(&[0.0; NODES]));
+    }
+}
