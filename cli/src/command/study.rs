@@ -116,17 +116,13 @@ fn laws(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
     let grid = grid(arguments).map_err(|more| faults.extend(more)).ok();
     let budget = budget(arguments).map_err(|more| faults.extend(more)).ok().flatten();
     let (Some(problems), Some(grid), true) = (problems, grid, faults.is_empty()) else { return Err(faults) };
-    let [problem] = &problems[..] else {
-        return Err(vec![wrong(
-            &arguments.file.display().to_string(),
-            "--laws is for scenes: cases have no laws to drop",
-        )]);
+    let scene = match &problems[..] {
+        [problem] => problem.scene().map(|scene| (problem, scene)),
+        _ => None,
     };
-    let Some(scene) = problem.scene() else {
-        return Err(vec![wrong(
-            &arguments.file.display().to_string(),
-            "--laws is for scenes: cases have no laws to drop",
-        )]);
+    let Some((problem, scene)) = scene else {
+        let file = arguments.file.display().to_string();
+        return Err(vec![wrong(&file, "--laws is for scenes: cases have no laws to drop")]);
     };
     let bar = bar(arguments.quiet, scene.laws.len() as u64 + 2);
     // A law may leave a motion that is harder to follow.
