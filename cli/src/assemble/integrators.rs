@@ -121,6 +121,12 @@ pub const INTEGRATORS: &[NamedIntegrator] = &[
         make: |option| Box::new(DormandPrince8::new(tolerance(option, DormandPrince8::default().tolerance))),
     },
     NamedIntegrator {
+        name: "nystrom_12",
+        about: "order 12, adaptive, seventeen evaluations per step, for forces that do not depend on velocities",
+        options: &["rtol", "atol"],
+        make: |option| Box::new(Nystrom12::new(tolerance(option, Nystrom12::default().tolerance))),
+    },
+    NamedIntegrator {
         name: "gauss_radau_15",
         about: "order 15, adaptive, to rounding, seven evaluations in each round of a step",
         options: &["precision"],
@@ -190,6 +196,9 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("dopri5", "dormand_prince_5"),
     ("ode45", "dormand_prince_5"),
     ("dop853", "dormand_prince_8"),
+    ("dprkn12", "nystrom_12"),
+    ("rkn12", "nystrom_12"),
+    ("rkn1210", "nystrom_12"),
     ("whfast", "wisdom_holman"),
     ("wh", "wisdom_holman"),
     ("mvs", "wisdom_holman"),

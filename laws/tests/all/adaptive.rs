@@ -105,8 +105,12 @@ fn a_collision_is_a_fault_that_says_when() {
             .with(Mass, [0.5, 0.5])
     };
     let builder = || Engine::<f64>::builder().domain(bodies()).law(Gravity { g: 1.0, softening: 0.0 }).law(Motion);
-    let integrators: [Box<dyn Integrator>; 3] =
-        [Box::new(DormandPrince5::default()), Box::new(DormandPrince8::default()), Box::new(GaussRadau15::default())];
+    let integrators: [Box<dyn Integrator>; 4] = [
+        Box::new(DormandPrince5::default()),
+        Box::new(DormandPrince8::default()),
+        Box::new(Nystrom12::default()),
+        Box::new(GaussRadau15::default()),
+    ];
     for integrator in integrators {
         let name = integrator.name();
         let mut engine = builder().boxed_integrator(integrator).build().unwrap();
@@ -121,10 +125,11 @@ fn a_collision_is_a_fault_that_says_when() {
 #[test]
 fn a_tolerance_below_what_f32_can_hold_is_met_as_well_as_it_can_be() {
     let problem = Kepler { eccentricity: 0.3 };
-    for number in 0..2 {
+    for number in 0..3 {
         let builder = problem.setup(Engine::<f32>::builder());
         let tolerance = Tolerance::relative(1e-14);
         let mut engine = match number {
+            1 => builder.integrator(Nystrom12::new(tolerance)),
             0 => builder.integrator(DormandPrince8::new(tolerance)),
             _ => builder.integrator(GaussRadau15::default()),
         }
@@ -155,11 +160,12 @@ fn a_compensated_state_loses_fewer_digits() {
 fn nothing_moves_and_nothing_is_wrong() {
     // A body at rest, without a force: no rate to choose a step by.
     let bodies = Domain::new("bodies").with(Position, [[0.0; 3]]).with(Velocity, [[0.0; 3]]).with(Mass, [1.0]);
-    for number in 0..3 {
+    for number in 0..4 {
         let builder = Engine::<f64>::builder().domain(bodies.clone()).law(Motion);
         let mut engine = match number {
             0 => builder.integrator(DormandPrince5::default()),
             1 => builder.integrator(DormandPrince8::default()),
+            2 => builder.integrator(Nystrom12::default()),
             _ => builder.integrator(GaussRadau15::default()),
         }
         .build()

@@ -11,6 +11,7 @@ mod implicit;
 mod jumps;
 mod kepler;
 mod macros;
+mod nystrom;
 mod orders;
 mod precision;
 mod respa;

@@ -57,11 +57,13 @@ pub(super) struct Steps {
     pub(super) first: Option<f64>,
     /// The ratio of the last accepted step's error to what was allowed.
     last: f64,
+    /// The length of that step, in s; zero where there is none.
+    before: f64,
 }
 
 impl Default for Steps {
     fn default() -> Self {
-        Steps { next: None, first: None, last: 1e-4 }
+        Steps { next: None, first: None, last: 1e-4, before: 0.0 }
     }
 }
 
@@ -149,6 +151,10 @@ pub(super) struct Control {
     pub(super) beta: f64,
     /// The factors by which a step may shrink and grow.
     pub(super) limits: [f64; 2],
+    /// Whether the change from the last step to this one is taken to go on, where that asks for a shorter one (Hairer, Wanner,
+    /// Solving Ordinary Differential Equations II, 2nd ed. (1996), eq. IV.8.25): steps that have to shrink time and again, as on
+    /// the way to a close encounter, are then not tried in vain.
+    pub(super) foresees: bool,
 }
 
 impl Steps {
@@ -190,8 +196,12 @@ impl Steps {
         let safe = 0.9;
         if error <= 1.0 {
             let exponent = 1.0 / order - 0.75 * control.beta;
-            let factor = safe * error.max(1e-16).powf(-exponent) * self.last.powf(control.beta);
-            self.last = error.max(1e-4);
+            let mut factor = safe * error.max(1e-16).powf(-exponent) * self.last.powf(control.beta);
+            if control.foresees && self.before > 0.0 {
+                let error = error.max(1e-4);
+                factor = factor.min(safe * step / self.before * (self.last / (error * error)).powf(1.0 / order));
+            }
+            (self.last, self.before) = (error.max(1e-4), step);
             self.next = Some(step * factor.clamp(shrink, grow));
             return true;
         }
@@ -204,13 +214,13 @@ impl Steps {
         *self = Steps { first: self.first, ..Steps::default() };
     }
 
-    pub(super) fn memory(&self) -> [f64; 2] {
-        [self.next.unwrap_or(0.0), self.last]
+    pub(super) fn memory(&self) -> [f64; 3] {
+        [self.next.unwrap_or(0.0), self.last, self.before]
     }
 
     pub(super) fn set_memory(&mut self, memory: &[f64]) {
-        if let &[next, last] = memory {
-            (self.next, self.last) = ((next > 0.0).then_some(next), last);
+        if let &[next, last, before] = memory {
+            (self.next, self.last, self.before) = ((next > 0.0).then_some(next), last, before);
         }
     }
 }

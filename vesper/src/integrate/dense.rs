@@ -6,7 +6,7 @@
 //! that the rates at both ends are right, and further terms by a table (Hairer, Norsett, Wanner, Solving Ordinary Differential
 //! Equations I, 2nd ed. (1993), II.6, eq. 6.13 to 6.15 and their codes dopri5 and dop853).
 
-use super::runge_kutta::STAGES;
+use super::embedded::STAGES;
 
 /// What a method needs besides its stages.
 pub(super) struct Dense {

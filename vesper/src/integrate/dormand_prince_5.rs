@@ -10,7 +10,8 @@
 
 use super::adaptive::Control;
 use super::dense::Dense;
-use super::runge_kutta::{Embedded, Progress, adaptive_runge_kutta};
+use super::embedded::Progress;
+use super::runge_kutta::{Embedded, adaptive_runge_kutta};
 use super::{Integrator, System, Tolerance};
 use crate::error::Fault;
 
@@ -59,7 +60,7 @@ const METHOD: Embedded<1> = Embedded {
     ]],
     error: |[error]| error,
     last_is_first: true,
-    control: Control { order: 5, beta: 0.04, limits: [0.2, 10.0] },
+    control: Control { order: 5, beta: 0.04, limits: [0.2, 10.0], foresees: false },
     dense: Dense { further: &[], terms: &[FOURTH] },
 };
 

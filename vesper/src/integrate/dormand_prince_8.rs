@@ -10,7 +10,8 @@
 
 use super::adaptive::Control;
 use super::dense::Dense;
-use super::runge_kutta::{Embedded, Progress, adaptive_runge_kutta};
+use super::embedded::Progress;
+use super::runge_kutta::{Embedded, adaptive_runge_kutta};
 use super::{Integrator, System, Tolerance};
 use crate::error::Fault;
 
@@ -47,7 +48,7 @@ const METHOD: Embedded<2> = Embedded {
         if fifth == 0.0 { 0.0 } else { fifth * fifth / (fifth * fifth + 0.01 * third * third).sqrt() }
     },
     last_is_first: false,
-    control: Control { order: 8, beta: 0.0, limits: [1.0 / 3.0, 6.0] },
+    control: Control { order: 8, beta: 0.0, limits: [1.0 / 3.0, 6.0], foresees: false },
     dense: Dense { further: FURTHER, terms: DENSE },
 };
 

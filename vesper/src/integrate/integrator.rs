@@ -4,6 +4,7 @@ use super::{StableLimits, System};
 use crate::error::Fault;
 
 const SEPARABLE: &str = "rates of momenta without momenta, and of coordinates without coordinates or the time";
+const SECOND_ORDER: &str = "the rate of every coordinate to be its momentum";
 const MEND: &str = "take leapfrog or gauss_radau_15";
 
 /// What the builder tells an integrator about the laws, so that it can refuse them.
@@ -97,6 +98,24 @@ impl Structure {
         let found = format!("a rate of a momentum depends on {momentum}, and not by a law's turn alone");
         let need = "rates of momenta without momenta, but for what turns them";
         Err(Structure::refused(integrator, need, found, MEND))
+    }
+
+    /// Refuses coordinates whose rates may be others than their momenta.
+    ///
+    /// # Errors
+    /// There may be some.
+    pub fn of_second_order(&self, integrator: &str) -> Result<(), Fault> {
+        if self.second_order {
+            return Ok(());
+        }
+        let found = "no law says so".to_owned();
+        Err(Structure::refused(integrator, SECOND_ORDER, found, "take gauss_radau_15, or laws of `second_order`"))
+    }
+
+    /// The fault of a row whose coordinate does not move by its momentum, though the laws say that it does.
+    pub(super) fn rows_do_not_follow(integrator: &str) -> Fault {
+        let found = "some rows have momenta that do not move them".to_owned();
+        Structure::refused(integrator, SECOND_ORDER, found, "set these to zero, or take gauss_radau_15")
     }
 
     /// Refuses states that are neither coordinates nor momenta, and velocities that depend on places.
