@@ -88,10 +88,11 @@ fn main() {
         }
         settings
     };
-    let radau = |coarse: f64| cut(ladder(coarse, 0.1, 10));
+    let tenths = |coarse: f64| cut(ladder(coarse, 0.1, 10));
     let pairs = |leap: f64| {
         vec![
-            Pair { ours: ("gauss_radau_15", radau(1e-1), &[]), theirs: ("ias15", radau(1e-1), &[]) },
+            Pair { ours: ("gauss_radau_15", tenths(1e-1), &[]), theirs: ("ias15", tenths(1e-1), &[]) },
+            Pair { ours: ("nystrom_12", tenths(1e-5), &[]), theirs: ("ias15", tenths(1e-1), &[]) },
             Pair {
                 ours: ("leapfrog", cut(ladder(leap, 0.5, 7)), &[]),
                 theirs: ("leapfrog", cut(ladder(leap, 0.5, 7)), &[]),

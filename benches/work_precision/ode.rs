@@ -16,8 +16,12 @@ pub struct Method {
 }
 
 /// What is compared.
-pub const METHODS: [Method; 2] =
-    [Method { ours: "dormand_prince_5", theirs: "Dopri5" }, Method { ours: "dormand_prince_8", theirs: "Dop853" }];
+pub const METHODS: [Method; 3] = [
+    Method { ours: "dormand_prince_5", theirs: "Dopri5" },
+    Method { ours: "dormand_prince_8", theirs: "Dop853" },
+    // The best of both for this kind of problem.
+    Method { ours: "nystrom_12", theirs: "Dop853" },
+];
 
 /// Bodies that attract each other: positions of all, then velocities of all.
 struct Bodies {
