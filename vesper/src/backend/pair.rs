@@ -4,7 +4,7 @@
 //! or on the number of threads.
 
 use super::pointers::{
-    MAX_SLOTS, Rows, RowsMut, SUMS, Slots, Splat, StoreAll, Sums, first_output, slot_count, slots_at,
+    MAX_SLOTS, Rows, RowsMut, SUMS, Slots, Splat, StoreAll, StoreFirst, Sums, first_output, slot_count, slots_at,
 };
 use super::tangent::{self, TangentCall};
 use super::within::Within;
@@ -22,6 +22,8 @@ pub(crate) struct PairCall<'a, P> {
     /// The rows i that this call sums for.
     pub(crate) from: usize,
     pub(crate) to: usize,
+    /// Whether the sums begin with this law: its shares are stored, whatever is there.
+    pub(crate) first: bool,
 }
 
 /// A pair law with its loop.
@@ -120,7 +122,7 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
 
     /// What all other rows do to the rows of one set of lanes.
     #[inline(always)]
-    fn sum<R: Lanes<P>>(law: &F::Kernel<R>, slots: &Slots<P>, i: usize, rows: usize) {
+    fn sum<R: Lanes<P>>(law: &F::Kernel<R>, slots: &Slots<P>, i: usize, (rows, first): (usize, bool)) {
         // SAFETY: `Task::new` was promised the rows; the same for all blocks here.
         let source = Within::<_, F>::new(unsafe { Rows::<P>::new(slots, i) });
         let row_i = <F::Kernel<R> as Declared<R>>::load(&source);
@@ -128,10 +130,21 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
         Self::sum_others(law, slots, row_i, &mut sums, 0..i);
         Self::sum_own(law, slots, row_i, &mut sums, i..i + R::WIDTH);
         Self::sum_others(law, slots, row_i, &mut sums, i + R::WIDTH..rows);
-        // SAFETY: see above.
-        let mut sink = unsafe { RowsMut::<P, R, StoreAll>::new(slots, i, R::lit(0.0)) };
-        for (k, sum) in sums.values[..Self::ADDED].iter().enumerate() {
-            crate::law::Sink::add(&mut sink, Self::FIRST + k, *sum);
+        Self::give(slots, i, &sums, first);
+    }
+
+    /// Adds sums to the columns of their rows, or begins the columns with them.
+    #[inline(always)]
+    fn give<R: Lanes<P>>(slots: &Slots<P>, i: usize, sums: &Sums<R>, first: bool) {
+        let sums = sums.values[..Self::ADDED].iter().enumerate();
+        if first {
+            // SAFETY: see above.
+            let mut sink = unsafe { RowsMut::<P, R, StoreFirst>::new(slots, i, R::lit(0.0)) };
+            sums.for_each(|(k, sum)| crate::law::Sink::add(&mut sink, Self::FIRST + k, *sum));
+        } else {
+            // SAFETY: see above.
+            let mut sink = unsafe { RowsMut::<P, R, StoreAll>::new(slots, i, R::lit(0.0)) };
+            sums.for_each(|(k, sum)| crate::law::Sink::add(&mut sink, Self::FIRST + k, *sum));
         }
     }
 
@@ -191,13 +204,13 @@ impl<P: Scalar, F: PairFamily> WithLanes<P> for Task<'_, P, F> {
         if R::WIDTH > 1 && i + R::WIDTH <= self.call.to {
             let law = self.law.kernel::<R>();
             while i + R::WIDTH <= self.call.to {
-                Self::sum::<R>(&law, &slots, i, self.call.rows);
+                Self::sum::<R>(&law, &slots, i, (self.call.rows, self.call.first));
                 i += R::WIDTH;
             }
         }
         let law = self.law.kernel::<P>();
         while i < self.call.to {
-            Self::sum_one(&law, &slots, i, self.call.rows);
+            Self::sum_one(&law, &slots, i, (self.call.rows, self.call.first));
             i += 1;
         }
     }
@@ -206,7 +219,7 @@ impl<P: Scalar, F: PairFamily> WithLanes<P> for Task<'_, P, F> {
 impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
     /// The same for one row that no lanes are left for; the body is not called for the row itself.
     #[inline(always)]
-    fn sum_one(law: &F::Kernel<P>, slots: &Slots<P>, i: usize, rows: usize) {
+    fn sum_one(law: &F::Kernel<P>, slots: &Slots<P>, i: usize, (rows, first): (usize, bool)) {
         // SAFETY: `Task::new` was promised the rows; the same for all blocks here.
         let source = Within::<_, F>::new(unsafe { Rows::<P>::new(slots, i) });
         let row_i = <F::Kernel<P> as Declared<P>>::load(&source);
@@ -216,10 +229,6 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
             let row_j = <F::Kernel<P> as Declared<P>>::load(&Within::<_, F>::new(unsafe { Rows::<P>::new(slots, j) }));
             <F::Kernel<P> as Declared<P>>::store(law.pair(row_i, row_j), &mut sums);
         }
-        // SAFETY: see above.
-        let mut sink = unsafe { RowsMut::<P, P, StoreAll>::new(slots, i, P::default()) };
-        for (k, sum) in sums.values[..Self::ADDED].iter().enumerate() {
-            crate::law::Sink::add(&mut sink, Self::FIRST + k, *sum);
-        }
+        Self::give(slots, i, &sums, first);
     }
 }

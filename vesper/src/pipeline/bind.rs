@@ -1,5 +1,9 @@
 //! From named places to pointers: a plan, tied to the layout of one state.
 
+mod pair;
+
+pub(crate) use pair::PairPass;
+
 use super::group::{Group, GroupBuilder};
 use super::operand::Operand;
 use super::plan::{Op, Placed, Plan};
@@ -104,19 +108,6 @@ pub(crate) enum Pass<P: Scalar> {
         /// Of a switch, which is held while a step is taken.
         switch: bool,
     },
-}
-
-/// A pair law over the rows of its seat.
-pub(crate) struct PairPass<P: Scalar> {
-    pub(crate) law: usize,
-    pub(crate) rows: usize,
-    pub(crate) slots: Vec<*mut P>,
-    pub(crate) transfers: Vec<Transfer<P>>,
-    pub(crate) packed: Vec<Aligned<P>>,
-    pub(crate) energy: bool,
-    pub(crate) threads: usize,
-    /// Keeps the constants that `slots` points to.
-    pub(crate) _defaults: Aligned<P>,
 }
 
 /// A link law over the rows of its domain.
@@ -241,7 +232,7 @@ impl<P: Scalar> Binder<'_, P> {
             }
             Op::Law { seat, energy, .. } => match &self.laws[self.pipeline.registry.seats[seat].law].compiled.kernel {
                 Kernel::Row(_) => Pass::Group(self.group(ops)?),
-                Kernel::Pair(_) => Pass::Pair(self.pair(first, energy)?),
+                Kernel::Pair(_) => Pass::Pair(self.pair(first)?),
                 Kernel::Link(kernel) => Pass::Link(self.link(first, energy, kernel.arity(), kernel.outputs())?),
                 Kernel::Column(_) if energy => return None,
                 Kernel::Column(_) => Pass::Column(self.column(first)?),
@@ -319,54 +310,6 @@ impl<P: Scalar> Binder<'_, P> {
             ),
         };
         Transfer { base: located.base, stride: located.stride, index, scratch, save }
-    }
-
-    fn pair(&self, op: &Placed, energy: bool) -> Option<PairPass<P>> {
-        let Op::Law { seat, .. } = op.op else { return None };
-        let law = self.pipeline.registry.seats[seat].law;
-        let rows = op.rows.as_ref().map_or(self.state.domains[op.domain].rows, Vec::len);
-        if rows == 0 {
-            return None;
-        }
-        let defaults = defaults::<P>(&op.operands);
-        let mut pass = PairPass {
-            law,
-            rows,
-            slots: Vec::new(),
-            transfers: Vec::new(),
-            packed: Vec::new(),
-            energy,
-            threads: threads(op.backend, rows * rows, PARALLEL_PAIRS, self.machine),
-            _defaults: defaults,
-        };
-        for (slot, operand) in op.operands.iter().enumerate() {
-            let pointer = match operand {
-                Operand::Default(_) => pass._defaults.pointer().wrapping_add(slot),
-                Operand::Absent | Operand::Zero | Operand::Field(..) => core::ptr::null_mut(),
-                Operand::Constant(..) => match self.locate(*operand)?.base {
-                    Base::Owned(pointer) => pointer,
-                    Base::Lent { .. } => return None,
-                },
-                Operand::Quantity(..)
-                | Operand::Rate(..)
-                | Operand::Turned(..)
-                | Operand::Held(..)
-                | Operand::Previous(..) => {
-                    let located = self.locate(*operand)?;
-                    match located.base {
-                        Base::Owned(pointer) if op.rows.is_none() && located.stride == 1 => pointer,
-                        _ => {
-                            let scratch = pass.packed.len();
-                            pass.packed.push(Aligned::zeros(rows, slot));
-                            pass.transfers.push(Self::transfer(&located, op.rows.as_deref(), scratch, op.writes[slot]));
-                            pass.packed[scratch].pointer()
-                        }
-                    }
-                }
-            };
-            pass.slots.push(pointer);
-        }
-        Some(pass)
     }
 
     fn link(&self, op: &Placed, energy: bool, arity: usize, outputs: usize) -> Option<LinkPass<P>> {

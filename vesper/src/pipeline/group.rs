@@ -112,6 +112,12 @@ impl<P: Scalar> Group<P> {
         let Group { rows, block, moves, columns, ops, transfers, desks, .. } = self;
         let body = Body { rows: *rows, block: *block, moves, columns, ops, transfers, context };
         if let [desk] = desks.as_mut_slice() {
+            // One block that has been here before, with all in place: with few rows the rest would take longer than the laws.
+            if desk.ready && transfers.is_empty() {
+                let ahead = [desk.scratch.pointer().cast_const(); AHEAD];
+                // SAFETY: passed on to the caller; the pointers are those of the only block.
+                return ops.iter().map(|op| unsafe { body.op(op, 0..*rows, &desk.pointers, ahead) }).sum();
+            }
             // SAFETY: passed on to the caller.
             return unsafe { body.blocks(0..rows.div_ceil(*block), desk) };
         }

@@ -61,6 +61,7 @@ fn run_pair<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 
         rows: pass.rows,
         from: rows.start,
         to: rows.end,
+        first: pass.first,
     };
     if pass.energy {
         // SAFETY: the slots have a number for every row.

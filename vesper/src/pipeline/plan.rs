@@ -156,6 +156,7 @@ pub(crate) fn plan<P: Scalar>(key: Key, pipeline: &Pipeline<P>) -> Plan {
     // What is looked at begins from a plain zero, and so do derivatives.
     if !matches!(key, Key::Observe | Key::Tangent) {
         passes.iter_mut().for_each(|pass| super::merge::begin_with_laws(pass, pipeline));
+        super::merge::begin_with_pairs(&mut passes, pipeline);
     }
     Plan { key, passes }
 }

@@ -1,0 +1,74 @@
+//! Ties a pair law to a state. In: the operation, and where columns are. Out: a [`PairPass`]. Never runs anything.
+
+use super::{Base, Binder, PARALLEL_PAIRS, Transfer, defaults, threads};
+use crate::column::Aligned;
+use crate::pipeline::operand::Operand;
+use crate::pipeline::plan::{Op, Placed};
+use crate::real::Scalar;
+
+/// A pair law over the rows of its seat.
+pub(crate) struct PairPass<P: Scalar> {
+    pub(crate) law: usize,
+    pub(crate) rows: usize,
+    pub(crate) slots: Vec<*mut P>,
+    pub(crate) transfers: Vec<Transfer<P>>,
+    pub(crate) packed: Vec<Aligned<P>>,
+    pub(crate) energy: bool,
+    /// Whether the sums that it adds to begin with it: its shares are stored.
+    pub(crate) first: bool,
+    pub(crate) threads: usize,
+    /// Keeps the constants that `slots` points to.
+    pub(crate) _defaults: Aligned<P>,
+}
+
+impl<P: Scalar> Binder<'_, P> {
+    /// Ties a pair law to the columns of its rows; what is not in one piece there is packed.
+    pub(super) fn pair(&self, op: &Placed) -> Option<PairPass<P>> {
+        let Op::Law { seat, energy, first, .. } = op.op else { return None };
+        let law = self.pipeline.registry.seats[seat].law;
+        let rows = op.rows.as_ref().map_or(self.state.domains[op.domain].rows, Vec::len);
+        if rows == 0 {
+            return None;
+        }
+        let defaults = defaults::<P>(&op.operands);
+        let mut pass = PairPass {
+            law,
+            rows,
+            slots: Vec::new(),
+            transfers: Vec::new(),
+            packed: Vec::new(),
+            energy,
+            first,
+            threads: threads(op.backend, rows * rows, PARALLEL_PAIRS, self.machine),
+            _defaults: defaults,
+        };
+        for (slot, operand) in op.operands.iter().enumerate() {
+            let pointer = match operand {
+                Operand::Default(_) => pass._defaults.pointer().wrapping_add(slot),
+                Operand::Absent | Operand::Zero | Operand::Field(..) => core::ptr::null_mut(),
+                Operand::Constant(..) => match self.locate(*operand)?.base {
+                    Base::Owned(pointer) => pointer,
+                    Base::Lent { .. } => return None,
+                },
+                Operand::Quantity(..)
+                | Operand::Rate(..)
+                | Operand::Turned(..)
+                | Operand::Held(..)
+                | Operand::Previous(..) => {
+                    let located = self.locate(*operand)?;
+                    match located.base {
+                        Base::Owned(pointer) if op.rows.is_none() && located.stride == 1 => pointer,
+                        _ => {
+                            let scratch = pass.packed.len();
+                            pass.packed.push(Aligned::zeros(rows, slot));
+                            pass.transfers.push(Self::transfer(&located, op.rows.as_deref(), scratch, op.writes[slot]));
+                            pass.packed[scratch].pointer()
+                        }
+                    }
+                }
+            };
+            pass.slots.push(pointer);
+        }
+        Some(pass)
+    }
+}
