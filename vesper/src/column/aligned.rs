@@ -4,6 +4,7 @@
 use core::alloc::Layout;
 use core::ptr::NonNull;
 use std::alloc::{alloc_zeroed, dealloc, handle_alloc_error};
+use std::sync::Arc;
 
 const CACHE_LINE: usize = 64;
 /// Lines from one address to the next one with the same set of the first cache: a page, on the machines that matter.
@@ -24,7 +25,7 @@ pub(crate) const fn staggered<P>(len: usize) -> usize {
     (lines + (STAGGER + SETS - lines % SETS) % SETS) * line
 }
 
-/// Numbers at an aligned address that only changes in [`Aligned::resize`].
+/// Numbers at an aligned address that only changes in [`Aligned::resize`], and where a [`Block`] takes them in.
 ///
 /// All access goes through one raw pointer, so a pointer taken once stays good while slices come and go.
 pub(crate) struct Aligned<P> {
@@ -34,9 +35,11 @@ pub(crate) struct Aligned<P> {
     /// Numbers before the first one.
     lead: usize,
     stream: usize,
+    /// The block that the numbers are in; else they have memory of their own.
+    block: Option<Arc<Aligned<P>>>,
 }
 
-// SAFETY: it owns its memory; `P` is a plain number.
+// SAFETY: it owns its memory, or a part of a block that nobody else touches; `P` is a plain number.
 unsafe impl<P: Send> Send for Aligned<P> {}
 // SAFETY: as above; shared access only reads.
 unsafe impl<P: Sync> Sync for Aligned<P> {}
@@ -44,9 +47,13 @@ unsafe impl<P: Sync> Sync for Aligned<P> {}
 impl<P: Copy + Default> Aligned<P> {
     /// `len` zeros. `stream` is the number of the component among those that are read together.
     pub(crate) fn zeros(len: usize, stream: usize) -> Self {
-        let mut numbers = Aligned { start: NonNull::dangling(), len: 0, capacity: 0, lead: 0, stream };
+        let mut numbers = Self::empty(stream);
         numbers.resize(len);
         numbers
+    }
+
+    fn empty(stream: usize) -> Self {
+        Aligned { start: NonNull::dangling(), len: 0, capacity: 0, lead: 0, stream, block: None }
     }
 
     fn layout(numbers: usize) -> Layout {
@@ -88,7 +95,9 @@ impl<P: Copy + Default> Aligned<P> {
 
 impl<P> Aligned<P> {
     fn free(&mut self) {
-        if self.capacity > 0 {
+        if self.block.take().is_some() {
+            self.capacity = 0;
+        } else if self.capacity > 0 {
             let bytes = (self.capacity + self.lead) * size_of::<P>();
             // SAFETY: this is the layout that `resize` allocated with, and `start` is `lead` numbers into the block.
             unsafe {
@@ -109,7 +118,7 @@ impl<P> Aligned<P> {
         unsafe { core::slice::from_raw_parts_mut(self.start.as_ptr(), self.len) }
     }
 
-    /// The first number. Good until the next `resize`.
+    /// The first number. Good until the next `resize`, and until a block takes the numbers in.
     pub(crate) fn pointer(&self) -> *mut P {
         self.start.as_ptr()
     }
@@ -123,16 +132,60 @@ impl<P> Drop for Aligned<P> {
 
 impl<P: Copy + Default> Clone for Aligned<P> {
     fn clone(&self) -> Self {
-        let mut copy = Aligned { start: NonNull::dangling(), len: 0, capacity: 0, lead: 0, stream: self.stream };
+        let mut copy = Self::empty(self.stream);
         copy.resize(self.len);
         copy.as_mut_slice().copy_from_slice(self.as_slice());
         copy
     }
 }
 
+/// Memory that arrays move into, one behind the other: then all of them are one array, too.
+pub(crate) struct Block<P> {
+    numbers: Arc<Aligned<P>>,
+    taken: usize,
+}
+
+impl<P: Copy + Default> Block<P> {
+    /// For arrays of so many numbers together.
+    pub(crate) fn new(len: usize) -> Self {
+        Block { numbers: Arc::new(Aligned::zeros(len, 0)), taken: 0 }
+    }
+
+    /// Moves an array in. One that grows later moves out again.
+    pub(crate) fn take_in(&mut self, array: &mut Aligned<P>) {
+        assert!(array.len <= self.numbers.len - self.taken, "a block has room for the arrays that it was made for");
+        // SAFETY: the block has room for the numbers from there on, and nobody else has that part of it.
+        let start = unsafe { self.numbers.start.add(self.taken) };
+        // SAFETY: both have `len` numbers; the array is not in this block yet, since its place is behind all that are.
+        unsafe { start.copy_from_nonoverlapping(array.start, array.len) };
+        array.free();
+        self.taken += array.len;
+        (array.start, array.capacity, array.lead, array.block) = (start, array.len, 0, Some(self.numbers.clone()));
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Aligned;
+    use super::{Aligned, Block};
+
+    #[test]
+    fn arrays_in_a_block_are_one_array_until_they_grow() {
+        let mut arrays = [2, 0, 3].map(|len| Aligned::<f64>::zeros(len, 1));
+        arrays[0].as_mut_slice().copy_from_slice(&[1.0, 2.0]);
+        arrays[2].as_mut_slice().copy_from_slice(&[3.0, 4.0, 5.0]);
+        let mut block = Block::new(5);
+        arrays.iter_mut().for_each(|array| block.take_in(array));
+        drop(block);
+        // SAFETY: the arrays keep the block, and no slice of them is there.
+        let all = unsafe { core::slice::from_raw_parts(arrays[0].pointer(), 5) };
+        assert_eq!(all, [1.0, 2.0, 3.0, 4.0, 5.0]);
+        let [mut first, _, last] = arrays;
+        first.resize(4);
+        first.as_mut_slice().fill(7.0);
+        assert_eq!((last.as_slice(), last.clone().as_slice()), ([3.0, 4.0, 5.0].as_slice(), last.as_slice()));
+        let mut again = Block::new(7);
+        [first, last].iter_mut().for_each(|array| again.take_in(array));
+    }
 
     #[test]
     fn numbers_survive_growth_and_new_ones_are_zero() {

@@ -4,6 +4,7 @@ use super::vectors::{Component, Vectors};
 use crate::integrate::{Combination, Register, Term};
 use crate::law::Part;
 use crate::real::{Isa, Lanes, Scalar, WithLanes};
+use core::mem::MaybeUninit;
 use core::ops::Range;
 
 /// Terms that are summed in one pass; more are added in further ones.
@@ -65,7 +66,8 @@ impl<P: Scalar> Vectors<P> {
         }
     }
 
-    /// A small state: one sum over all components, with an image of the state beside the other vectors.
+    /// A small state: one sum over all components, with an image of the state beside the other vectors where it does not
+    /// stand as they do.
     ///
     /// # Safety
     /// As for [`Vectors::linear`].
@@ -77,25 +79,32 @@ impl<P: Scalar> Vectors<P> {
         isa: Isa,
     ) {
         let Combination { to, adds, part, terms, momenta } = *combination;
-        let looks_at_state = |terms: &[Term]| terms.iter().any(|(_, from)| *from == Register::State);
+        // Where the state stands as a vector does, it needs no image.
+        let apart = self.vector(Register::State).is_none();
+        let looks_at_state = |terms: &[Term]| apart && terms.iter().any(|(_, from)| *from == Register::State);
         // SAFETY: the image has a place for every number of the state; passed on to the caller.
         unsafe {
-            if adds && to == Register::State || looks_at_state(terms) {
+            if apart && adds && to == Register::State || looks_at_state(terms) {
                 self.each_component(part, lent, image, |state, image| *image = *state);
             }
             if looks_at_state(momenta) {
                 self.each_component(Part::Momenta, lent, image, |state, image| *image = *state);
             }
         }
-        let start = |register| self.vector(register).unwrap_or(image).wrapping_add(span.start);
+        let start = |register| self.start(register).wrapping_add(span.start);
         let behind = self.momentum_behind.unwrap_or(0);
-        let mut sources = [(0.0, core::ptr::null::<P>()); TERMS];
-        for (source, (factor, from)) in sources.iter_mut().zip(momenta) {
-            *source = (*factor, start(*from).wrapping_add(behind).cast_const());
+        // Not filled with anything first: that took as long as three terms.
+        let mut places = [const { MaybeUninit::uninit() }; TERMS];
+        let (of_momenta, rest) = places.split_at_mut(momenta.len());
+        let (own, _) = rest.split_at_mut(terms.len());
+        for (place, (factor, from)) in of_momenta.iter_mut().zip(momenta) {
+            place.write((*factor, start(*from).wrapping_add(behind).cast_const()));
         }
-        for (source, (factor, from)) in sources[momenta.len()..].iter_mut().zip(terms) {
-            *source = (*factor, start(*from).cast_const());
+        for (place, (factor, from)) in own.iter_mut().zip(terms) {
+            place.write((*factor, start(*from).cast_const()));
         }
+        // SAFETY: so many are written.
+        let sources = unsafe { places[..momenta.len() + terms.len()].assume_init_ref() };
         let errors = if to == Register::State && adds { self.carry() } else { None };
         let sum = Sum {
             to: start(to),
@@ -103,10 +112,10 @@ impl<P: Scalar> Vectors<P> {
             adds,
             wide: self.sums_in_f64(),
             count: span.len(),
-            sources: &sources[..momenta.len() + terms.len()],
+            sources,
         };
         P::with_lanes(isa, sum);
-        if to == Register::State {
+        if apart && to == Register::State {
             // SAFETY: as above.
             unsafe { self.each_component(part, lent, image, |state, image| *state = *image) };
         }
@@ -137,6 +146,7 @@ impl<P: Scalar> Vectors<P> {
 
     /// # Safety
     /// As for [`Vectors::linear`].
+    #[inline(never)]
     unsafe fn by_component(&self, combination: &Combination<'_>, lent: &[*mut P], isa: Isa) {
         let Combination { to, adds, part, terms, momenta } = *combination;
         let errors = if to == Register::State && adds { self.carry() } else { None };
@@ -252,7 +262,8 @@ struct Sum<'a, P> {
 }
 
 impl<P: Scalar> Sum<'_, P> {
-    /// The lanes that begin at these numbers. All are read before any is written, so that they may overlap.
+    /// The lanes that begin at these numbers. All are read before any is written, so that they may overlap. Plain loops over
+    /// the sets: with closures and iterators the sums were kept in memory, and some operations became calls.
     ///
     /// # Safety
     /// All pointers are to `count` numbers, which nobody else touches, and the lanes are within them.
@@ -261,19 +272,32 @@ impl<P: Scalar> Sum<'_, P> {
         // SAFETY: the caller promises the lanes.
         unsafe {
             let mut sums = [R::lit(0.0); SETS];
-            for (number, (factor, from)) in self.sources.iter().enumerate() {
+            if let Some(((factor, from), rest)) = self.sources.split_first() {
                 let factor = R::splat(P::from_f64(*factor));
-                for (sum, start) in sums.iter_mut().zip(starts) {
-                    let term = R::load(from.add(start)) * factor;
-                    *sum = if number == 0 { term } else { *sum + term };
+                for set in 0..SETS {
+                    sums[set] = R::load(from.add(starts[set])) * factor;
+                }
+                for (factor, from) in rest {
+                    let factor = R::splat(P::from_f64(*factor));
+                    for set in 0..SETS {
+                        sums[set] += R::load(from.add(starts[set])) * factor;
+                    }
                 }
             }
             if self.adds {
-                let before = starts.map(|start| R::load(self.to.add(start)));
+                let mut before = [R::lit(0.0); SETS];
+                for set in 0..SETS {
+                    before[set] = R::load(self.to.add(starts[set]));
+                }
                 if self.errors.is_null() {
-                    sums.iter_mut().zip(before).for_each(|(sum, before)| *sum += before);
+                    for set in 0..SETS {
+                        sums[set] += before[set];
+                    }
                 } else {
-                    let errors = starts.map(|start| R::load(self.errors.add(start)));
+                    let mut errors = [R::lit(0.0); SETS];
+                    for set in 0..SETS {
+                        errors[set] = R::load(self.errors.add(starts[set]));
+                    }
                     for set in 0..SETS {
                         let (before, sum) = (before[set], sums[set] - errors[set]);
                         let after = before + sum;
@@ -285,8 +309,8 @@ impl<P: Scalar> Sum<'_, P> {
                     }
                 }
             }
-            for (sum, start) in sums.into_iter().zip(starts) {
-                sum.store(self.to.add(start));
+            for set in 0..SETS {
+                sums[set].store(self.to.add(starts[set]));
             }
         }
     }

@@ -189,6 +189,7 @@ impl<P: Scalar> Pipeline<P> {
         let again = usize::from(pipeline.switches.any() && !integrator.is_adaptive());
         let work = integrator.work_vectors() + again;
         let keeps = (compensated || integrator.compensates(), rotates);
+        vectors::lay_together(&pipeline, state);
         pipeline.vectors = Vectors::new(&pipeline, state, work, keeps);
         pipeline.turners_at = pipeline.turners().flat_map(|by| pipeline.components(by, state)).collect();
         pipeline.programs =

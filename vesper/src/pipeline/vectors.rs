@@ -7,7 +7,7 @@
 
 use super::Pipeline;
 use super::bind::{Base, Located, locate_column};
-use crate::column::{Aligned, Storage, is_long, staggered};
+use crate::column::{Aligned, Block, Storage, is_long, staggered};
 use crate::integrate::Register;
 use crate::law::{Part, Place, Port};
 use crate::property::Role;
@@ -40,6 +40,10 @@ pub(crate) type Held<P> = (usize, Vec<(usize, Aligned<P>)>);
 /// The vectors of a pipeline.
 pub(crate) struct Vectors<P: Scalar> {
     pub(crate) states: Vec<StateProperty<P>>,
+    /// The state itself, where its columns stand as the numbers of a vector do.
+    state: Option<*mut P>,
+    /// Where the vectors of registers begin: that of the state, or its image, or null; the rates; the integrator's own.
+    starts: Vec<*mut P>,
     /// Rates first, then the integrator's own, then, where the state is compensated, its rounding errors, and last, where
     /// there are no gaps, an image of the state.
     pub(crate) registers: Vec<Aligned<P>>,
@@ -67,6 +71,8 @@ impl<P: Scalar> Default for Vectors<P> {
     fn default() -> Self {
         Vectors {
             states: Vec::new(),
+            state: None,
+            starts: Vec::new(),
             registers: Vec::new(),
             compensated: false,
             gaps: false,
@@ -119,11 +125,17 @@ impl<P: Scalar> Vectors<P> {
         let held = held(pipeline, state);
         let filled = vec![false; held.len()];
         let momentum_behind = paired(&states, pipeline).then_some(ends[0]);
-        let registers = (0..count).map(|stream| Aligned::zeros(at, stream + 7)).collect();
+        let registers: Vec<Aligned<P>> = (0..count).map(|stream| Aligned::zeros(at, stream + 7)).collect();
+        let one = as_one(&states).filter(|_| !gaps);
+        let image = registers.last().filter(|_| !gaps).map_or(core::ptr::null_mut(), Aligned::pointer);
+        let own = registers[..1 + work].iter().map(Aligned::pointer);
+        let starts = [one.unwrap_or(image)].into_iter().chain(own).collect();
         let turned = if rotates && !pipeline.turnings.is_empty() { 2 } else { 0 };
         let rotation = (0..turned).map(|stream| Aligned::zeros(at, stream)).collect();
         Vectors {
             states,
+            state: one,
+            starts,
             registers,
             compensated,
             gaps,
@@ -150,20 +162,21 @@ impl<P: Scalar> Vectors<P> {
         Some(self.rotation.first()?.pointer().wrapping_add(state.components.get(component)?.at))
     }
 
-    /// The vector of a register; `None` for the state, which is not one array.
+    /// The vector of a register; `None` for the state, where it is not one array.
     pub(crate) fn vector(&self, register: Register) -> Option<*mut P> {
-        match register {
-            Register::State => None,
-            Register::Rates => Some(self.registers[0].pointer()),
-            Register::Work(number) => {
-                assert!(
-                    number < self.work,
-                    "an integrator uses as many vectors as its work_vectors says: {}",
-                    self.work
-                );
-                Some(self.registers[1 + number].pointer())
-            }
-        }
+        if register == Register::State { self.state } else { Some(self.start(register)) }
+    }
+
+    /// The vector of a register; of a state that is not one array its image, where there is one.
+    #[inline]
+    pub(super) fn start(&self, register: Register) -> *mut P {
+        let number = match register {
+            Register::State => 0,
+            Register::Rates => 1,
+            Register::Work(number) => number.saturating_add(2),
+        };
+        let start = self.starts.get(number);
+        *start.unwrap_or_else(|| panic!("an integrator uses as many vectors as its work_vectors says: {}", self.work))
     }
 
     /// Numbers of a vector, with gaps.
@@ -226,6 +239,43 @@ impl<P: Scalar> Vectors<P> {
             errors.as_mut_slice().fill(P::default());
         }
     }
+}
+
+/// Moves the columns of a small state together, in the order of a vector: then sums go over the state itself, without an
+/// image of it. Lent memory stays where it is.
+pub(super) fn lay_together<P: Scalar>(pipeline: &Pipeline<P>, state: &mut State<P>) {
+    let ordered = ordered(pipeline);
+    let mut places = Vec::new();
+    let mut count = 0;
+    for id in ordered {
+        let known = &pipeline.registry.quantities[id];
+        let domain = &state.domains[known.domain];
+        let Some(column) = domain.find(known.info.name) else { return };
+        let len = domain.columns[column].len();
+        if is_long::<P>(len) || !matches!(domain.columns[column].storage, Storage::Split(_)) {
+            return;
+        }
+        count += len * known.info.kind.width();
+        places.push((known.domain, column));
+    }
+    let mut block = Block::new(count);
+    for (domain, column) in places {
+        if let Storage::Split(components) = &mut state.domains[domain].columns[column].storage {
+            components.iter_mut().for_each(|component| block.take_in(component));
+        }
+    }
+    state.changed_layout();
+}
+
+/// Where all states begin, if they are one array.
+fn as_one<P: Scalar>(states: &[StateProperty<P>]) -> Option<*mut P> {
+    let mut all = states.iter().filter(|state| state.len > 0).flat_map(|state| &state.components);
+    let Base::Owned(start) = all.clone().next()?.place.base else { return None };
+    let stands = |component: &Component<P>| match component.place.base {
+        Base::Owned(place) => place == start.wrapping_add(component.at) && component.place.stride == 1,
+        Base::Lent { .. } => false,
+    };
+    all.all(stands).then_some(start)
 }
 
 /// Coordinates, then their momenta in the same order, other momenta, other states.
