@@ -4,13 +4,14 @@
 //! or on the number of threads.
 
 use super::pointers::{
-    MAX_SLOTS, Rows, RowsMut, SUMS, Slots, Splat, StoreAll, StoreFirst, Sums, first_output, slot_count, slots_at,
+    FewRows, MAX_SLOTS, RateRule, Rows, RowsMut, SUMS, Slots, Splat, StoreAll, StoreFirst, Sums, first_output,
+    slot_count, slots_at,
 };
 use super::tangent::{self, TangentCall};
 use super::within::Within;
 use super::{Compiled, Kernel};
 use crate::law::{Declared, PairFamily, PairLaw, Place, Signature};
-use crate::real::{Isa, Lanes, Scalar, WithLanes};
+use crate::real::{Isa, Lanes, MAX_WIDTH, Scalar, WithLanes};
 use core::ops::Range;
 
 /// One call of a pair kernel.
@@ -120,31 +121,46 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
         unsafe { Slots::copied(call.slots, Self::COUNT, Self::CONSTANTS, 0) }
     }
 
-    /// What all other rows do to the rows of one set of lanes.
+    /// What all other rows do to `count` rows, at most as many as there are lanes.
     #[inline(always)]
-    fn sum<R: Lanes<P>>(law: &F::Kernel<R>, slots: &Slots<P>, i: usize, (rows, first): (usize, bool)) {
+    fn sum<R: Lanes<P>>(&self, law: &F::Kernel<R>, slots: &Slots<P>, i: usize, count: usize) {
         // SAFETY: `Task::new` was promised the rows; the same for all blocks here.
-        let source = Within::<_, F>::new(unsafe { Rows::<P>::new(slots, i) });
+        let source = Within::<_, F>::new(unsafe { FewRows::<P>::new(slots, i, count) });
         let row_i = <F::Kernel<R> as Declared<R>>::load(&source);
         let mut sums = Sums::zero(Self::FIRST);
         Self::sum_others(law, slots, row_i, &mut sums, 0..i);
-        Self::sum_own(law, slots, row_i, &mut sums, i..i + R::WIDTH);
-        Self::sum_others(law, slots, row_i, &mut sums, i + R::WIDTH..rows);
-        Self::give(slots, i, &sums, first);
+        Self::sum_own(law, slots, row_i, &mut sums, i..i + count);
+        Self::sum_others(law, slots, row_i, &mut sums, i + count..self.call.rows);
+        self.give(slots, i, &sums, count);
     }
 
-    /// Adds sums to the columns of their rows, or begins the columns with them.
+    /// Adds sums to the columns of `count` rows, or begins the columns with them.
     #[inline(always)]
-    fn give<R: Lanes<P>>(slots: &Slots<P>, i: usize, sums: &Sums<R>, first: bool) {
-        let sums = sums.values[..Self::ADDED].iter().enumerate();
-        if first {
-            // SAFETY: see above.
-            let mut sink = unsafe { RowsMut::<P, R, StoreFirst>::new(slots, i, R::lit(0.0)) };
-            sums.for_each(|(k, sum)| crate::law::Sink::add(&mut sink, Self::FIRST + k, *sum));
+    fn give<R: Lanes<P>>(&self, slots: &Slots<P>, i: usize, sums: &Sums<R>, count: usize) {
+        if self.call.first {
+            Self::give_by::<R, StoreFirst>(slots, i, sums, count);
         } else {
-            // SAFETY: see above.
-            let mut sink = unsafe { RowsMut::<P, R, StoreAll>::new(slots, i, R::lit(0.0)) };
-            sums.for_each(|(k, sum)| crate::law::Sink::add(&mut sink, Self::FIRST + k, *sum));
+            Self::give_by::<R, StoreAll>(slots, i, sums, count);
+        }
+    }
+
+    #[inline(always)]
+    fn give_by<R: Lanes<P>, Rule: RateRule>(slots: &Slots<P>, i: usize, sums: &Sums<R>, count: usize) {
+        for (k, sum) in sums.values[..Self::ADDED].iter().enumerate() {
+            if count == R::WIDTH {
+                // SAFETY: see above.
+                let mut sink = unsafe { RowsMut::<P, R, Rule>::new(slots, i, R::lit(0.0)) };
+                crate::law::Sink::add(&mut sink, Self::FIRST + k, *sum);
+                continue;
+            }
+            let mut lanes = [P::default(); MAX_WIDTH];
+            // SAFETY: there is room for the widest lanes.
+            unsafe { sum.store(lanes.as_mut_ptr()) };
+            for (lane, sum) in lanes[..count].iter().enumerate() {
+                // SAFETY: see above.
+                let mut sink = unsafe { RowsMut::<P, P, Rule>::new(slots, i + lane, P::default()) };
+                crate::law::Sink::add(&mut sink, Self::FIRST + k, *sum);
+            }
         }
     }
 
@@ -200,35 +216,41 @@ impl<P: Scalar, F: PairFamily> WithLanes<P> for Task<'_, P, F> {
     fn with<R: Lanes<P>>(self) {
         // SAFETY: `Task::new` was promised the slots.
         let slots = unsafe { Self::slots(self.call) };
-        let mut i = self.call.from;
-        if R::WIDTH > 1 && i + R::WIDTH <= self.call.to {
+        let (mut i, to) = (self.call.from, self.call.to);
+        if R::WIDTH > 1 && to - i > <R::Narrow as Lanes<P>>::WIDTH {
             let law = self.law.kernel::<R>();
-            while i + R::WIDTH <= self.call.to {
-                Self::sum::<R>(&law, &slots, i, (self.call.rows, self.call.first));
-                i += R::WIDTH;
+            // Lanes that are half empty are still faster than narrower ones, twice.
+            while to - i > <R::Narrow as Lanes<P>>::WIDTH {
+                let count = R::WIDTH.min(to - i);
+                self.sum::<R>(&law, &slots, i, count);
+                i += count;
             }
         }
+        if <R::Narrow as Lanes<P>>::WIDTH > 1 && to - i > 1 {
+            self.sum::<R::Narrow>(&self.law.kernel::<R::Narrow>(), &slots, i, to - i);
+            return;
+        }
         let law = self.law.kernel::<P>();
-        while i < self.call.to {
-            Self::sum_one(&law, &slots, i, (self.call.rows, self.call.first));
+        while i < to {
+            self.sum_one(&law, &slots, i);
             i += 1;
         }
     }
 }
 
 impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
-    /// The same for one row that no lanes are left for; the body is not called for the row itself.
+    /// The same for one row alone; the body is not called for the row itself.
     #[inline(always)]
-    fn sum_one(law: &F::Kernel<P>, slots: &Slots<P>, i: usize, (rows, first): (usize, bool)) {
+    fn sum_one(&self, law: &F::Kernel<P>, slots: &Slots<P>, i: usize) {
         // SAFETY: `Task::new` was promised the rows; the same for all blocks here.
         let source = Within::<_, F>::new(unsafe { Rows::<P>::new(slots, i) });
         let row_i = <F::Kernel<P> as Declared<P>>::load(&source);
         let mut sums = Sums::zero(Self::FIRST);
-        for j in (0..i).chain(i + 1..rows) {
+        for j in (0..i).chain(i + 1..self.call.rows) {
             // SAFETY: see above.
             let row_j = <F::Kernel<P> as Declared<P>>::load(&Within::<_, F>::new(unsafe { Rows::<P>::new(slots, j) }));
             <F::Kernel<P> as Declared<P>>::store(law.pair(row_i, row_j), &mut sums);
         }
-        Self::give(slots, i, &sums, first);
+        self.give(slots, i, &sums, 1);
     }
 }

@@ -146,6 +146,49 @@ impl<P: Scalar, R: Lanes<P>> Source<R> for Rows<'_, P> {
     }
 }
 
+/// `count` neighbouring rows from `row` on. Where they do not fill the lanes, the last one fills the rest.
+pub(crate) struct FewRows<'a, P> {
+    slots: &'a Slots<P>,
+    row: usize,
+    count: usize,
+}
+
+impl<'a, P> FewRows<'a, P> {
+    /// # Safety
+    /// Every slot is null, or points to numbers of rows `row..row + count`, or, for a constant, to one number; they stay
+    /// valid for `'a`. There is a row.
+    #[inline(always)]
+    pub(crate) unsafe fn new(slots: &'a Slots<P>, row: usize, count: usize) -> Self {
+        FewRows { slots, row, count }
+    }
+}
+
+impl<P: Scalar, R: Lanes<P>> Source<R> for FewRows<'_, P> {
+    #[inline(always)]
+    fn wants(&self, _port: usize) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn has(&self, slot: usize) -> bool {
+        !self.slots.pointers[slot].is_null()
+    }
+    #[inline(always)]
+    fn component(&self, slot: usize) -> R {
+        let (first, last) = (self.slots.pointers[slot].wrapping_add(self.row), self.count - 1);
+        if last + 1 >= R::WIDTH {
+            // SAFETY: `new` was promised the rows, and they fill the lanes.
+            unsafe { R::load(first) }
+        } else {
+            // SAFETY: as above; no lane is of a row behind the last one.
+            R::from_lanes(|lane| unsafe { *first.add(if lane < last { lane } else { last }) })
+        }
+    }
+    #[inline(always)]
+    fn constant(&self, slot: usize) -> R {
+        R::splat(self.slots.numbers[slot])
+    }
+}
+
 /// One row, the same in every lane.
 pub(crate) struct Splat<'a, P> {
     slots: &'a Slots<P>,

@@ -9,6 +9,8 @@ pub(crate) const MAX_WIDTH: usize = 16;
 pub trait Lanes<P>: Real {
     /// Numbers side by side.
     const WIDTH: usize;
+    /// The lanes for rows that do not fill half of these, of the same processor.
+    type Narrow: Lanes<P>;
     /// Reads `WIDTH` neighbouring numbers.
     ///
     /// # Safety

@@ -7,7 +7,7 @@
 /// inlined, and whatever is not is compiled without the instructions of its lanes, as calls of them, 50 times slower.
 macro_rules! lanes {
     (
-        $name:ident, $mask:ident, $scalar:ident, $register:ty, $truth:ty, $count:literal [$($i:literal)+], $per:literal,
+        $name:ident, $mask:ident, $narrow:ident, $scalar:ident, $register:ty, $truth:ty, $count:literal [$($i:literal)+], $per:literal,
         $set1:path, $load:path, $store:path, $add:path, $sub:path, $mul:path, $div:path, $sqrt:path, $min:path, $max:path,
         |$a:ident, $b:ident, $m:ident| neg $neg:expr, abs $abs:expr, less $less:expr, less_or_equal $less_eq:expr,
         equal $equal:expr, select $select:expr, and $and:expr, or $or:expr, not $not:expr
@@ -228,6 +228,7 @@ macro_rules! lanes {
 
         impl Lanes<$scalar> for $name {
             const WIDTH: usize = $count * $per;
+            type Narrow = $narrow;
             #[inline(always)]
             unsafe fn load(from: *const $scalar) -> Self {
                 // SAFETY: the caller promises WIDTH readable numbers; the instruction takes any alignment.

@@ -148,6 +148,7 @@ macro_rules! scalar {
 
         impl Lanes<$scalar> for $scalar {
             const WIDTH: usize = 1;
+            type Narrow = $scalar;
             #[inline(always)]
             unsafe fn load(from: *const $scalar) -> Self {
                 // SAFETY: the caller promises one readable number at `from`.

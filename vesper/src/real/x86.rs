@@ -39,7 +39,7 @@ pub(super) unsafe fn avx512<P, R: Lanes<P>, T: WithLanes<P>>(task: T) -> T::Outp
 // A selection is written in bits: the compiler knows these and makes the best of them (one `and` where one side is zero),
 // but leaves a `blendv`, which looks at signs alone, as it stands.
 lanes!(
-    BaselineF32, BaselineF32Mask, f32, __m128, __m128, 1 [0], 4,
+    BaselineF32, BaselineF32Mask, f32, f32, __m128, __m128, 1 [0], 4,
     _mm_set1_ps, _mm_loadu_ps, _mm_storeu_ps, _mm_add_ps, _mm_sub_ps, _mm_mul_ps, _mm_div_ps,
     _mm_sqrt_ps, _mm_min_ps, _mm_max_ps,
     |a, b, m| neg _mm_xor_ps(a, _mm_set1_ps(-0.0)), abs _mm_andnot_ps(_mm_set1_ps(-0.0), a),
@@ -48,7 +48,7 @@ lanes!(
     and _mm_and_ps(a, b), or _mm_or_ps(a, b), not _mm_xor_ps(a, _mm_castsi128_ps(_mm_set1_epi32(-1)))
 );
 lanes!(
-    BaselineF64, BaselineF64Mask, f64, __m128d, __m128d, 1 [0], 2,
+    BaselineF64, BaselineF64Mask, f64, f64, __m128d, __m128d, 1 [0], 2,
     _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd,
     _mm_sqrt_pd, _mm_min_pd, _mm_max_pd,
     |a, b, m| neg _mm_xor_pd(a, _mm_set1_pd(-0.0)), abs _mm_andnot_pd(_mm_set1_pd(-0.0), a),
@@ -57,7 +57,7 @@ lanes!(
     and _mm_and_pd(a, b), or _mm_or_pd(a, b), not _mm_xor_pd(a, _mm_castsi128_pd(_mm_set1_epi32(-1)))
 );
 lanes!(
-    Avx2F32, Avx2F32Mask, f32, __m256, __m256, 1 [0], 8,
+    Avx2F32, Avx2F32Mask, f32, f32, __m256, __m256, 1 [0], 8,
     _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps, _mm256_div_ps,
     _mm256_sqrt_ps, _mm256_min_ps, _mm256_max_ps,
     |a, b, m| neg _mm256_xor_ps(a, _mm256_set1_ps(-0.0)), abs _mm256_andnot_ps(_mm256_set1_ps(-0.0), a),
@@ -66,7 +66,7 @@ lanes!(
     and _mm256_and_ps(a, b), or _mm256_or_ps(a, b), not _mm256_xor_ps(a, _mm256_castsi256_ps(_mm256_set1_epi32(-1)))
 );
 lanes!(
-    Avx2F64, Avx2F64Mask, f64, __m256d, __m256d, 1 [0], 4,
+    Avx2F64, Avx2F64Mask, f64, f64, __m256d, __m256d, 1 [0], 4,
     _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
     _mm256_sqrt_pd, _mm256_min_pd, _mm256_max_pd,
     |a, b, m| neg _mm256_xor_pd(a, _mm256_set1_pd(-0.0)), abs _mm256_andnot_pd(_mm256_set1_pd(-0.0), a),
@@ -75,7 +75,7 @@ lanes!(
     and _mm256_and_pd(a, b), or _mm256_or_pd(a, b), not _mm256_xor_pd(a, _mm256_castsi256_pd(_mm256_set1_epi32(-1)))
 );
 lanes!(
-    Avx512F32, Avx512F32Mask, f32, __m512, __mmask16, 1 [0], 16,
+    Avx512F32, Avx512F32Mask, Avx2F32, f32, __m512, __mmask16, 1 [0], 16,
     _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps, _mm512_div_ps,
     _mm512_sqrt_ps, _mm512_min_ps, _mm512_max_ps,
     |a, b, m| neg _mm512_xor_ps(a, _mm512_set1_ps(-0.0)), abs _mm512_abs_ps(a),
@@ -84,7 +84,7 @@ lanes!(
     and a & b, or a | b, not !a
 );
 lanes!(
-    Avx512F64, Avx512F64Mask, f64, __m512d, __mmask8, 1 [0], 8,
+    Avx512F64, Avx512F64Mask, Avx2F64, f64, __m512d, __mmask8, 1 [0], 8,
     _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
     _mm512_sqrt_pd, _mm512_min_pd, _mm512_max_pd,
     |a, b, m| neg _mm512_xor_pd(a, _mm512_set1_pd(-0.0)), abs _mm512_abs_pd(a),
