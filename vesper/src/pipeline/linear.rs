@@ -1,4 +1,4 @@
-//! Sums of vectors, in lanes, and magnitudes of rows: what integrators are written in.
+//! Sums of vectors, in lanes: what integrators are written in.
 
 use super::vectors::{Component, Vectors};
 use crate::integrate::{Combination, Register, Term};
@@ -12,9 +12,6 @@ const TERMS: usize = 24;
 
 /// Numbers that are summed in f64 side by side.
 const WIDE: usize = 8;
-
-/// Vectors that are looked at together.
-const LOOKS: usize = 12;
 
 impl<P: Scalar> Vectors<P> {
     /// Sums vectors.
@@ -215,37 +212,6 @@ impl<P: Scalar> Vectors<P> {
                 (0..state.len).all(|row| unsafe { *rates.add(row) == *momenta.add(row * stride) })
             })
         })
-    }
-
-    /// Goes through the rows of a part.
-    ///
-    /// # Safety
-    /// As for [`Vectors::linear`].
-    pub(crate) unsafe fn magnitudes(
-        &self,
-        of: &[Register],
-        part: Part,
-        lent: &[*mut P],
-        each: &mut dyn FnMut(usize, &[f64]),
-    ) {
-        assert!(of.len() <= LOOKS, "an integrator looks at no more than {LOOKS} vectors at a time");
-        let mut row_of = [0.0; LOOKS];
-        for (number, state) in self.part(part) {
-            for row in 0..state.len {
-                for (magnitude, register) in row_of.iter_mut().zip(of) {
-                    let mut squares = 0.0;
-                    let mut last = 0.0;
-                    for component in &state.components {
-                        let (start, stride) = self.place(*register, component, lent);
-                        // SAFETY: the component has `len` numbers there; passed on to the caller.
-                        last = unsafe { *start.add(row * stride) }.to_f64();
-                        squares += last * last;
-                    }
-                    *magnitude = if state.components.len() == 1 { last.abs() } else { squares.sqrt() };
-                }
-                each(number, &row_of[..of.len()]);
-            }
-        }
     }
 }
 

@@ -15,6 +15,7 @@ mod explain;
 mod group;
 mod linear;
 mod linearised;
+mod magnitudes;
 mod merge;
 mod operand;
 mod pass;

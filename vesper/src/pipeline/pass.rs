@@ -85,6 +85,8 @@ fn run_pair<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 
 /// Links, and rows linked to, that a thread takes at a time.
 const LINK_GRAIN: usize = 1024;
 
+// Not in one function with the others, whose calls would then take as long as some laws.
+#[inline(never)]
 fn run_link<P: Scalar>(pass: &mut LinkPass<P>, context: &Context<'_, P>) -> f64 {
     let Kernel::Link(kernel) = &context.laws[pass.law].compiled.kernel else { return 0.0 };
     pass.resolved.clear();
@@ -144,6 +146,7 @@ pub(super) fn first_result<P: Scalar>(context: &Context<'_, P>, law: usize) -> u
     ports.iter().filter(|port| port.mode.is_input()).map(|port| port.property.kind.width()).sum()
 }
 
+#[inline(never)]
 fn run_columns<P: Scalar>(pass: &mut ColumnPass<P>, context: &Context<'_, P>) {
     let Kernel::Column(kernel) = &context.laws[pass.law].compiled.kernel else { return };
     pass.views.clear();
