@@ -19,6 +19,42 @@ fn laws_are_switched_on_and_off() {
     assert_eq!((place(&engine, 0), status(&mut engine, "weight")), (before, "pruned"));
 }
 
+/// Bodies that push each other, from a given force of nothing, or from none; in two integrators.
+fn pushed(rows: usize, charges: &[u32], external: bool) -> Vec<(String, Vec<f64>)> {
+    let state = State::new([cloud::<f64>(rows, 3)], []).unwrap();
+    let of = |property: PropertyInfo| Values::new(property.kind.width(), state.numbers("bodies", property).unwrap());
+    let run = |builder: Builder<f64>| {
+        let all = [Position.info(), Velocity.info(), Mass.info()];
+        let domain =
+            all.into_iter().fold(Domain::new("bodies"), |domain, property| domain.with(property, of(property)));
+        let domain = domain.subset(Charge, charges.iter().copied(), vec![1.5; charges.len()]);
+        let domain = if external { domain.with(ExternalForce, vec![[-0.0; 3]; rows]) } else { domain };
+        let mut engine = builder.domain(domain).law(Coulomb).law(Motion).step(0.01).build().unwrap();
+        engine.advance(0.05).unwrap();
+        let numbers = [Position.info(), Velocity.info()].map(|property| engine.state().numbers("bodies", property));
+        (engine.explain(), numbers.into_iter().flat_map(Result::unwrap).collect())
+    };
+    let charged = |builder: Builder<f64>| if charges.len() == rows { builder.law(Gravity::default()) } else { builder };
+    vec![run(charged(Engine::builder())), run(charged(Engine::builder()).integrator(SemiImplicitEuler))]
+}
+
+#[test]
+fn a_pair_law_that_begins_a_sum_gives_the_bits_of_one_that_adds_to_it() {
+    for rows in [1, 2, 3, 5, 6, 9, 17] {
+        let all: Vec<u32> = (0..rows as u32).collect();
+        // Where it is not for all rows, the sum begins before it.
+        for (charges, begins) in [(all.as_slice(), true), (&all[..rows / 2], rows < 2)] {
+            let (found, expected) = (pushed(rows, charges, false), pushed(rows, charges, true));
+            for ((explained, numbers), (other, same)) in found.iter().zip(&expected) {
+                let bits = |numbers: &[f64]| numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+                assert_eq!(bits(numbers), bits(same), "{rows} rows, {} charges", charges.len());
+                assert!(rows < 2 || explained.contains("start of sums") != begins, "{explained}");
+                assert!(other.contains("start of sums"), "{other}");
+            }
+        }
+    }
+}
+
 /// Drag of coefficient 1 on a mass of 2 by hand; the force is that of the steps that `fresh` says.
 fn by_hand(steps: u32, fresh: impl Fn(u32) -> bool) -> (f64, f64) {
     let (mut place, mut speed, mut force) = (0.0, 1.0, 0.0);
