@@ -4,6 +4,7 @@
 //! against. Never: a check: everything wrong is found at once, when the state is made.
 
 use crate::column::{Lent, LentMemory, Values};
+use crate::dimension::Unit;
 use crate::property::{Property, PropertyInfo, intern};
 use crate::real::Scalar;
 use std::sync::Arc;
@@ -37,6 +38,13 @@ pub(crate) struct Given<P: Scalar> {
     pub(crate) unit: Option<&'static str>,
     pub(crate) subset: Option<Vec<u32>>,
     pub(crate) values: GivenValues<P>,
+}
+
+impl<P: Scalar> Given<P> {
+    /// From the unit of the values to the property's own; `None` where that cannot be.
+    pub(crate) fn factor(&self) -> Option<f64> {
+        self.unit.map_or(Some(1.0), |unit| Unit::parse(unit).ok()?.factor_to(self.info.size))
+    }
 }
 
 #[derive(Clone, Debug)]

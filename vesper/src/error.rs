@@ -245,6 +245,8 @@ pub enum Fault {
         value: f64,
         first: String,
     },
+    #[error("{who} does not let the origin move: {reason}")]
+    OriginStays { who: String, reason: String },
     #[error("the checkpoint does not fit: {reason}")]
     Checkpoint { reason: String },
 }

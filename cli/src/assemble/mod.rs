@@ -353,6 +353,9 @@ impl Notes<'_> {
         if engine.across_jumps.as_ref().is_some_and(|across| across.value) {
             builder = builder.across_jumps();
         }
+        if engine.moving_origin.as_ref().is_some_and(|moving| moving.value) {
+            builder = builder.moving_origin(Position);
+        }
         if let Some(backend) = self.backend(engine.backend.as_ref()) {
             builder = builder.backend(backend);
         }

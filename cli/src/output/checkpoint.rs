@@ -10,7 +10,7 @@ use vesper::prelude::Checkpoint;
 use crate::reader::Reader;
 
 /// The format; another number is another one.
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 
 /// A checkpoint as JSON.
 pub fn to_json(checkpoint: &Checkpoint) -> Value {
@@ -43,6 +43,7 @@ pub fn to_json(checkpoint: &Checkpoint) -> Value {
         "remainder": checkpoint.remainder,
         "clock": { "time": time, "since": since, "step": step },
         "evaluations": checkpoint.evaluations,
+        "origin": checkpoint.origin,
         "memory": checkpoint.memory,
         "domains": checkpoint.domains.iter().map(domain).collect::<Vec<_>>(),
         "registers": checkpoint.registers,
@@ -70,6 +71,7 @@ pub fn from_text(text: &str) -> Result<Checkpoint, String> {
         remainder: root.field("remainder")?.number()?,
         clock: (clock.field("time")?.number()?, clock.field("since")?.count()?, clock.field("step")?.number()?),
         evaluations: root.field("evaluations")?.count()?,
+        origin: root.field("origin")?.list(Reader::number)?,
         memory: root.field("memory")?.list(Reader::number)?,
         domains: root.field("domains")?.list(domain)?,
         registers: root.field("registers")?.list(|register| register.list(Reader::number))?,
@@ -115,6 +117,7 @@ mod tests {
             remainder: 1e-17,
             clock: (0.7, 3, 1e-3),
             evaluations: 12,
+            origin: vec![1e7, -2e7, 0.1, 0.0, 1e-10, 0.0],
             memory: vec![1.0],
             domains: vec![DomainData {
                 name: "a \"b\"".to_owned(),

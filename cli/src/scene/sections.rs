@@ -16,7 +16,7 @@ const BACKENDS: [(&str, BackendChoice); 4] = [
 ];
 
 /// Keys of `[engine]`.
-pub(crate) const ENGINE: [&str; 11] = [
+pub(crate) const ENGINE: [&str; 12] = [
     "precision",
     "integrator",
     "step",
@@ -27,6 +27,7 @@ pub(crate) const ENGINE: [&str; 11] = [
     "strict",
     "compensated",
     "across_jumps",
+    "moving_origin",
     "observe",
 ];
 
@@ -50,6 +51,7 @@ pub(crate) fn engine(walk: &mut Walk, node: &Node) -> EngineSettings {
             "strict" => settings.strict = walk.flag(node),
             "compensated" => settings.compensated = walk.flag(node),
             "across_jumps" => settings.across_jumps = walk.flag(node),
+            "moving_origin" => settings.moving_origin = walk.flag(node),
             "observe" => settings.observe = observe(walk, node),
             _ => {}
         }

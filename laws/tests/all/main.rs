@@ -13,6 +13,7 @@ mod kepler;
 mod macros;
 mod nystrom;
 mod orders;
+mod origin;
 mod precision;
 mod respa;
 mod solar_system;

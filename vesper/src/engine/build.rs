@@ -11,7 +11,7 @@ use crate::pipeline::{Chain, Chained, Listed, Machine, Pipeline, Settings};
 use crate::property::PropertyInfo;
 use crate::real::{Isa, Scalar, compiled_here};
 use crate::registry::{Backend, Entry, Options, Report, Status};
-use crate::state::State;
+use crate::state::{Origin, State};
 use std::sync::Arc;
 
 /// A law as it can be listed: a law, or a law with options.
@@ -140,6 +140,7 @@ pub struct Builder<P: Scalar> {
     observe: Vec<(String, String)>,
     required: Vec<String>,
     settings: Settings,
+    moving_origin: Option<PropertyInfo>,
     backend: Backend,
     threads: Option<usize>,
     isa: Option<Isa>,
@@ -165,6 +166,7 @@ impl<P: Scalar> Default for Builder<P> {
             observe: Vec::new(),
             required: Vec::new(),
             settings: Settings::default(),
+            moving_origin: None,
             backend: Backend::Auto,
             threads: None,
             isa: None,
@@ -265,6 +267,18 @@ impl<P: Scalar> Builder<P> {
         self
     }
 
+    /// Measures rows of a coordinate from an origin that moves with them: digits then go to what rows are apart, and not to how
+    /// far from where coordinates begin all of them are. For f32, and for small scenes far out. The origin is amid the rows
+    /// from the beginning on, and is moved there at the end of a frame where they have gone from it by some of their extents;
+    /// integrators begin anew then. [`State::numbers`] are still those from where coordinates begin; what else is read of the
+    /// state, or written to it, is from [`State::origin`]. Laws of pairs and links have to look at differences only, which is
+    /// checked by their derivatives; laws of single rows and fields must not look at the coordinate at all.
+    #[must_use]
+    pub fn moving_origin(mut self, coordinate: impl AsProperty) -> Self {
+        self.moving_origin = Some(coordinate.info());
+        self
+    }
+
     /// Looks at a property: what it needs is computed and kept. States need not be observed.
     #[must_use]
     pub fn observe(mut self, domain: &str, property: impl AsProperty) -> Self {
@@ -339,10 +353,16 @@ impl<P: Scalar> Builder<P> {
             }
         }
         let machine = machine(self.threads, self.isa, &mut faults);
+        let origin = self.moving_origin.map(|property| Origin::amid(property, &mut self.domains)).transpose();
+        let origin = origin.unwrap_or_else(|fault| {
+            faults.push(fault);
+            None
+        });
         let mut state = match State::new(self.domains.into_iter().chain([self.constants]), self.fields) {
             Ok(state) => state,
             Err(more) => return Err(more.after(faults)),
         };
+        state.origin = origin;
         let mut integrator = self.integrator;
         let (laws, chains, observe) = (&self.laws, &self.chains, &self.observe);
         let mut composed = |integrator: &dyn Integrator| {
@@ -385,6 +405,7 @@ impl<P: Scalar> Builder<P> {
             lent_changes: Some(0),
             kept: None,
         };
+        engine.let_origin_move()?;
         engine.observe()?;
         Ok(engine)
     }

@@ -24,6 +24,8 @@ pub struct Checkpoint {
     pub clock: (f64, u64, f64),
     /// Evaluations of the laws.
     pub evaluations: u64,
+    /// Where an origin that moves is, and what that is further beyond its last digit; else empty.
+    pub origin: Vec<f64>,
     /// What the integrator remembers from step to step besides its vectors.
     pub memory: Vec<f64>,
     /// The domains with their given columns.
@@ -85,6 +87,7 @@ impl<P: Scalar> Engine<P> {
             remainder: self.remainder,
             clock: (self.clock.time, self.clock.since, self.clock.step),
             evaluations: self.evaluations,
+            origin: self.state.origin.map_or(Vec::new(), |origin| origin.numbers()),
             memory: if self.touched || self.stale { Vec::new() } else { self.integrator.memory() },
             domains: (0..self.state.domains().len()).map(|domain| self.domain_data(domain)).collect(),
             registers: vectors.registers.iter().map(numbers).collect(),
@@ -199,6 +202,14 @@ fn column_data<P: Scalar>(column: &Column<P>) -> ColumnData {
 /// fit.
 fn restored<P: Scalar>(state: &State<P>, checkpoint: &Checkpoint) -> Result<State<P>, String> {
     let mut state = state.clone();
+    state.origin = match state.origin {
+        None if checkpoint.origin.is_empty() => None,
+        None => return Err("its origin moves, and that of the engine does not".to_owned()),
+        Some(origin) => {
+            let at = origin.at(&checkpoint.origin);
+            Some(at.ok_or_else(|| "its origin does not move, and that of the engine does".to_owned())?)
+        }
+    };
     if checkpoint.domains.len() != state.domains.len() {
         return Err(format!("it has {} domains, the engine {}", checkpoint.domains.len(), state.domains.len()));
     }

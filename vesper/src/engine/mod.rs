@@ -7,6 +7,7 @@ mod blow_up;
 mod build;
 mod checkpoint;
 mod lent;
+mod origin;
 mod stable;
 
 pub use build::{Builder, Configure, Configured, Listing};
@@ -233,7 +234,13 @@ impl<P: Scalar> Engine<P> {
             self.clock = Clock { time, since: steps, step };
             return Err(fault.into());
         }
-        blow_up::check(&self.pipeline, &self.state, self.machine.isa, (self.steps, self.time()))
+        blow_up::check(&self.pipeline, &self.state, self.machine.isa, (self.steps, self.time()))?;
+        if self.state.recentre() {
+            // Rates are the same there, and rounding errors too; what else an integrator keeps may be places.
+            self.integrator.restart();
+            self.pipeline.switches.holds = false;
+        }
+        Ok(())
     }
 
     /// Follows what the client changed since the last step.

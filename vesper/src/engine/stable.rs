@@ -7,7 +7,7 @@ use super::lent::with_runner;
 use crate::error::Faults;
 use crate::integrate::{StableStep, System, stable_step, stable_vectors};
 use crate::law::Shape;
-use crate::pipeline::{Tangent, Vectors};
+use crate::pipeline::{Runner, Tangent, Vectors};
 use crate::real::{Scalar, compiled_here};
 use crate::registry::Status;
 
@@ -31,25 +31,34 @@ impl<P: Scalar> Engine<P> {
         if self.pipeline.is_idle() {
             return Ok(Some(limits.longest(&[])));
         }
+        let count = stable_vectors(self.pipeline.vectors.len());
+        self.with_derivatives(count + 1, |runner| stable_step(runner, limits, count)).map(Some)
+    }
+
+    /// Runs `work` with derivatives of the laws and so many vectors.
+    pub(super) fn with_derivatives<T>(
+        &mut self,
+        vectors: usize,
+        work: impl FnOnce(&mut Runner<'_, P>) -> T,
+    ) -> Result<T, Faults> {
         if self.pipeline.tangent.is_none() {
             self.pipeline.tangent = Some(Box::new(Tangent::new(&self.pipeline, &self.laws, &self.state)));
         }
         // Vectors of its own: those of the integrator, and what it remembers in them, stay as they are.
-        let count = stable_vectors(self.pipeline.vectors.len());
-        let more = Vectors::new(&self.pipeline, &self.state, count + 1, (false, false));
+        let more = Vectors::new(&self.pipeline, &self.state, vectors, (false, false));
         let kept = core::mem::replace(&mut self.pipeline.vectors, more);
         let (time, step) = (self.time(), self.steps);
         let shared = (self.laws.as_slice(), self.chains.as_slice(), &self.machine);
         let found = with_runner(&mut self.pipeline, &self.state, shared, (time, step), |runner| {
             // Laws that are switched by what they left, as contact, are to be as in the next step.
             runner.hold();
-            stable_step(runner, limits, count)
+            work(runner)
         });
         self.pipeline.vectors = kept;
         if !self.integrator.needs_derivatives() {
             self.pipeline.tangent = None;
         }
-        found.map(Some)
+        found
     }
 
     /// Rows, links and pairs that an evaluation of all laws goes through; for a column law as many as a pair law would: how

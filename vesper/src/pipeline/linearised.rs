@@ -16,7 +16,7 @@ impl<P: Scalar> Vectors<P> {
         &self.registers[self.number(register)].as_slice()[..self.len()]
     }
 
-    fn numbers_mut(&mut self, register: Register) -> &mut [P] {
+    pub(crate) fn numbers_mut(&mut self, register: Register) -> &mut [P] {
         let (number, len) = (self.number(register), self.len());
         &mut self.registers[number].as_mut_slice()[..len]
     }

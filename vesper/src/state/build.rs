@@ -104,7 +104,10 @@ impl<P: Scalar> State<P> {
                 kept.push((property, field));
             }
         }
-        Faults::unless_empty(faults, State { domains: states, fields: kept, identity: fresh_identity(), version: 0 })
+        Faults::unless_empty(
+            faults,
+            State { domains: states, fields: kept, origin: None, identity: fresh_identity(), version: 0 },
+        )
     }
 }
 

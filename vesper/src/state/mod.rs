@@ -5,6 +5,9 @@
 
 mod build;
 mod edit;
+mod origin;
+
+pub(crate) use origin::Origin;
 
 use crate::column::{Column, ColumnMut, Storage};
 use crate::domain::AsProperty;
@@ -58,6 +61,8 @@ impl<P: Scalar> DomainState<P> {
 pub struct State<P: Scalar> {
     pub(crate) domains: Vec<DomainState<P>>,
     pub(crate) fields: Vec<(PropertyInfo, Arc<dyn Field<P>>)>,
+    /// What one property is measured from, where that moves.
+    pub(crate) origin: Option<Origin>,
     identity: u64,
     version: u64,
 }
@@ -74,6 +79,7 @@ impl<P: Scalar> Clone for State<P> {
         State {
             domains: self.domains.clone(),
             fields: self.fields.clone(),
+            origin: self.origin,
             identity: fresh_identity(),
             version: self.version,
         }
@@ -194,7 +200,14 @@ impl<P: Scalar> State<P> {
         })
     }
 
-    /// The value of one row.
+    /// What rows of a property are measured from, in its unit: zeros, but with
+    /// [`moving_origin`](crate::engine::Builder::moving_origin).
+    pub fn origin(&self, property: impl AsProperty) -> [f64; 3] {
+        let origin = self.origin.filter(|origin| origin.property.name == property.info().name);
+        origin.map_or([0.0; 3], |origin| origin.place())
+    }
+
+    /// The value of one row, from its [`State::origin`].
     ///
     /// # Errors
     /// There is no such domain, property or row.
@@ -204,7 +217,7 @@ impl<P: Scalar> State<P> {
         Ok(<Q::Kind as Numeric>::from_components(|component| column.number(index, component)))
     }
 
-    /// Changes the value of one row.
+    /// Changes the value of one row, from its [`State::origin`].
     ///
     /// # Errors
     /// There is no such domain, property or row, or the value is infinite or NaN.
@@ -229,7 +242,7 @@ impl<P: Scalar> State<P> {
         Ok(())
     }
 
-    /// The values of all rows (of the subset, where there is one).
+    /// The values of all rows (of the subset, where there is one), from their [`State::origin`].
     ///
     /// # Errors
     /// There is no such domain or property, or it is of another kind.
@@ -240,7 +253,8 @@ impl<P: Scalar> State<P> {
             .collect())
     }
 
-    /// The numbers of a column in f64, one value after the other; of a link the rows that it leads to.
+    /// The numbers of a column in f64, one value after the other, from where coordinates begin, also where the
+    /// [origin](State::origin) of rows moves; of a link the rows that it leads to.
     ///
     /// # Errors
     /// There is no such domain or property.
@@ -250,7 +264,11 @@ impl<P: Scalar> State<P> {
             return Ok(rows.iter().map(|&row| f64::from(row)).collect());
         }
         let width = column.info.kind.width();
-        Ok((0..column.len() * width).map(|k| column.number(k / width, k % width).to_f64()).collect())
+        let numbers = (0..column.len() * width).map(|k| (k % width, column.number(k / width, k % width).to_f64()));
+        Ok(match self.origin.filter(|origin| origin.property.name == column.info.name) {
+            Some(origin) => numbers.map(|(component, number)| origin.whole(component, number)).collect(),
+            None => numbers.map(|(_, number)| number).collect(),
+        })
     }
 
     /// The time of the state, in s.
