@@ -283,3 +283,20 @@ fn a_checkpoint_within_a_step_goes_on_with_the_same_bits_and_a_change_counts() {
         assert!(moved < 2e-6, "{}: {moved:e}", one.integrator().name());
     }
 }
+
+#[test]
+fn a_coarse_precision_does_not_look_for_what_its_own_rounds_leave() {
+    // A spring that has come to rest: what is left of its rates is what rounds did not close, and that has no polynomial.
+    let evaluations = |precision: f64| {
+        let problem = Oscillator { damping: 200.0, ..Oscillator::default() };
+        let mut engine =
+            problem.setup(Engine::<f64>::builder()).integrator(GaussRadau15::new(precision)).build().unwrap();
+        engine.advance(5.0).unwrap();
+        engine.evaluations()
+    };
+    let fine = evaluations(1e-7);
+    for precision in [0.5, 0.1, 1e-2, 1e-3] {
+        let coarse = evaluations(precision);
+        assert!(coarse < 2 * fine, "{coarse} at {precision}, {fine} at 1e-7");
+    }
+}

@@ -71,7 +71,8 @@ const COARSE: f64 = 1e-7;
 const RATES: f64 = 1.0;
 /// Changes, in roundings, that rates may go on making.
 const STALLED: f64 = 1e4;
-/// Roundings of the state, by the length of a step, up to which the highest term of a rate is no reason for a shorter one.
+/// Roundings of the state, or times what rounds leave of it, by the length of a step, up to which the highest term of a rate is
+/// no reason for a shorter one.
 const NOISE: f64 = 1e3;
 /// Properties that are told apart by their units; more share the last one's scale.
 const PROPERTIES: usize = 8;
@@ -217,9 +218,7 @@ impl GaussRadau15 {
 
     /// Rounds of evaluations until the rates no longer change. Whether that was reached.
     fn close(&mut self, system: &mut dyn System, of: Form, time: f64, length: f64) -> bool {
-        // A precision that is none leaves the step as it is given, and nothing to hide behind.
-        let coarse = if self.precision < 1.0 { COARSE * self.precision.powf(16.0 / 7.0) } else { 0.0 };
-        let closed = CLOSED.max(coarse / system.epsilon());
+        let closed = CLOSED.max(self.hidden() / system.epsilon());
         let (mut best, mut before, mut stalled) = (f64::INFINITY, f64::INFINITY, 0);
         for _ in 0..ROUNDS {
             for (row, at) in AT.iter().skip(1).enumerate() {
@@ -250,6 +249,12 @@ impl GaussRadau15 {
         best < STALLED
     }
 
+    /// What rounds may leave, in parts of the state, since the error of the step is larger.
+    fn hidden(&self) -> f64 {
+        // A precision that is none leaves the step as it is given, and nothing to hide behind.
+        if self.precision < 1.0 { COARSE * self.precision.powf(16.0 / 7.0) } else { 0.0 }
+    }
+
     /// The step that the rates of this one ask for.
     fn best_step(&self, system: &mut dyn System, of: Form, length: f64) -> f64 {
         let terms: [Term; NODES] = core::array::from_fn(|place| (HIGHEST[place], rates(self.bank, place)));
@@ -259,7 +264,7 @@ impl GaussRadau15 {
         for (place, vector) in vectors[2..].iter_mut().enumerate() {
             *vector = rates(self.bank, place);
         }
-        let floor = NOISE * system.epsilon() / self.precision;
+        let floor = NOISE * system.epsilon().max(self.hidden()) / self.precision;
         let place = of.farthest(system);
         let mut worst = 0.0;
         system.magnitudes(&vectors, of.part, &mut |_, row| {

@@ -16,6 +16,7 @@
 //! | [`Boris`], [`HigueraCary`] | 2 | 1 | charges in magnetic fields, long runs |
 //! | [`Boris8`] | 8 | 17 | the same, high accuracy |
 //! | [`DormandPrince5`], [`DormandPrince8`] | 5, 8, adaptive | 6, 12 | a tolerance, any laws |
+//! | [`Nystrom12`] | 12, adaptive | 17 | forces that do not depend on velocities |
 //! | [`Auto`] | | | what the structure of the laws suggests |
 //! | [`GaussRadau15`] | 15, adaptive | 7 a round | all digits |
 //! | [`ImplicitEuler`], [`ImplicitMidpoint`] | 1, 2 | 2 to 5, and derivatives | stiff laws |
