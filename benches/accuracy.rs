@@ -23,7 +23,7 @@ const WHY: [(&str, &str); 3] = [
     ("kepler_e0.9999", "at the pericentre energies are 2e4 times their sum, and so are their roundings"),
     (
         "oscillator_1e6_periods",
-        "a million periods take longer than a study of fifty cases has time for; `auto` has the time",
+        "a million periods take longer than one run of a study may; `auto`, given the time, comes to half a rounding of 6e6 radians",
     ),
 ];
 
