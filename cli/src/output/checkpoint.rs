@@ -144,7 +144,7 @@ mod tests {
         let text = to_json(&example()).to_string();
         let cases = [
             ("{", "it is no JSON"),
-            ("{}", "it is no checkpoint of version 2"),
+            ("{}", "it is no checkpoint of version 3"),
             (&text.replace("\"steps\":", "\"stps\":"), "expected `steps` at its root"),
             (&text.replace("\"filled\":[true", "\"filled\":[1"), "expected true or false at /filled/.."),
             (&text.replace("[[1.5,", "[[null,"), "expected a finite number at /registers/../.."),
