@@ -133,3 +133,65 @@ fn laws_that_look_at_places_do_not_let_it_move() {
     let broken = fault(builder().domain(broken));
     assert!(broken.contains("is measured in m") || broken.contains("finite"), "{broken}");
 }
+
+#[test]
+fn what_changes_later_is_looked_at_too() {
+    let refused = |engine: &mut Engine<f64>| {
+        let fault = engine.advance(1.0).unwrap_err().to_string();
+        assert!(fault.contains("does not let the origin move"), "{fault}");
+    };
+    // A law that comes to act.
+    let down = orbit::<f64>(0.0).constant(GravityAcceleration, [0.0, 0.0, -9.81]).law(UniformGravity.off());
+    let mut engine = down.moving_origin(Position).build().unwrap();
+    engine.advance(1.0).unwrap();
+    engine.enable("uniform_gravity", true).unwrap();
+    refused(&mut engine);
+    engine.enable("uniform_gravity", false).unwrap();
+    engine.advance(1.0).unwrap();
+    // New rows are given from where coordinates begin, as the first ones were.
+    let mut engine = orbit::<f64>(0.0).moving_origin(Position).build().unwrap();
+    let third = Domain::new("bodies").with_unit(Position, "km", [[1e4, -2e4, 5.1e3]]);
+    engine.state_mut().add_rows(third.with(Velocity, [[0.0; 3]]).with(Mass, [1.0])).unwrap();
+    assert_eq!(engine.state().get("bodies", Position, 2).unwrap(), DVec3::new(-50.0, 0.0, 1e5));
+    let lent = Lent::<f64, 3>::new(vec![[0.0; 3]]);
+    let others = Domain::new("others").lend(Position, &lent);
+    assert!(engine.state_mut().add_columns(others).unwrap_err().to_string().contains("client's memory"));
+    engine.advance(1.0).unwrap();
+    // A field that comes to differ from place to place.
+    let bodies = Domain::new("bodies").with(Position, [[1.0; 3]]).with(Velocity, [[0.0; 3]]).with(Mass, [1.0]);
+    let builder = Engine::builder().domain(bodies.with(Charge, [1.0])).law(vesper_laws::ElectricForce).law(Motion);
+    let uniform = Uniform { value: [1.0, 0.0, 0.0] };
+    let mut engine = builder.field(ElectricField, uniform).step(0.1).moving_origin(Position).build().unwrap();
+    engine.advance(1.0).unwrap();
+    engine.state_mut().set_field(ElectricField, |place: DVec3, _| DVec3::new(place.y, 0.0, 0.0));
+    refused(&mut engine);
+    refused(&mut engine);
+}
+
+#[test]
+fn integrators_that_keep_places_go_on_after_a_move() {
+    // Frames of a second, in each of which the origin moves: shorter than the steps of some of them.
+    let fast = |integrator: Box<dyn Integrator>, moves: bool| {
+        let builder = orbit::<f64>(1e3).boxed_integrator(integrator);
+        let mut engine = if moves { builder.moving_origin(Position) } else { builder }.build().unwrap();
+        (0..48).for_each(|_| engine.advance(1.0).unwrap());
+        let numbers = engine.state().numbers("bodies", Position).unwrap();
+        DVec3::from_slice(&numbers[3..]) - DVec3::from_slice(&numbers[..3])
+    };
+    let exact = DVec3::new(100.0, 0.0, 0.0)
+        + kepler_step(G * (MASSES[0] + MASSES[1]), DVec3::new(100.0, 0.0, 0.0), DVec3::new(0.0, 20.0, 16.0), 48.0)
+            .position;
+    let tight = Tolerance::relative(1e-11);
+    let all: [fn(Tolerance) -> Box<dyn Integrator>; 5] = [
+        |tight| Box::new(DormandPrince5::new(tight)),
+        |tight| Box::new(DormandPrince8::new(tight)),
+        |tight| Box::new(Nystrom12::new(tight)),
+        |_| Box::new(GaussRadau15::default()),
+        |_| Box::new(Symplectic8::default()),
+    ];
+    for make in all {
+        let (moving, fixed) = ((fast(make(tight), true) - exact).length(), (fast(make(tight), false) - exact).length());
+        println!("{}: {moving:.1e} m, {fixed:.1e} m with a fixed origin", make(tight).name());
+        assert!(moving < 1e-7, "{}: {moving:e}", make(tight).name());
+    }
+}

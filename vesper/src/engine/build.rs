@@ -270,9 +270,11 @@ impl<P: Scalar> Builder<P> {
     /// Measures rows of a coordinate from an origin that moves with them: digits then go to what rows are apart, and not to how
     /// far from where coordinates begin all of them are. For f32, and for small scenes far out. The origin is amid the rows
     /// from the beginning on, and is moved there at the end of a frame where they have gone from it by some of their extents;
-    /// integrators begin anew then. [`State::numbers`] are still those from where coordinates begin; what else is read of the
-    /// state, or written to it, is from [`State::origin`]. Laws of pairs and links have to look at differences only, which is
-    /// checked by their derivatives; laws of single rows and fields must not look at the coordinate at all.
+    /// integrators begin anew then. Rows at one place have no extent, and the origin stays for them. What is given in a
+    /// [`Domain`], and [`State::numbers`], are from where coordinates begin; what else is read of the state, or written to it, is
+    /// from [`State::origin`], and so is the magnitude that a relative tolerance is a part of. Laws of pairs and links have to
+    /// look at differences only, which is checked by their derivatives; laws of single rows and fields must not look at the
+    /// coordinate at all.
     #[must_use]
     pub fn moving_origin(mut self, coordinate: impl AsProperty) -> Self {
         self.moving_origin = Some(coordinate.info());

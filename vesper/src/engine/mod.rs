@@ -236,7 +236,7 @@ impl<P: Scalar> Engine<P> {
         }
         blow_up::check(&self.pipeline, &self.state, self.machine.isa, (self.steps, self.time()))?;
         if self.state.recentre() {
-            // Rates are the same there, and rounding errors too; what else an integrator keeps may be places.
+            // Rounding errors are still those of the same places; what else an integrator keeps may be places.
             self.integrator.restart();
             self.pipeline.switches.holds = false;
         }
@@ -314,6 +314,9 @@ impl<P: Scalar> Engine<P> {
         }
         build::log_changes(&before, &self.pipeline.registry.report);
         self.integrator.restart();
+        // A law that woke, or a field that was set, may see what the others do not.
+        self.stale = true;
+        self.let_origin_move()?;
         self.stale = false;
         Ok(())
     }

@@ -67,7 +67,7 @@ impl<P: Scalar> Engine<P> {
             }
             runner.derivative(change, along);
             let mut follows = false;
-            runner.magnitudes(&[change], Part::All, &mut |_, row| follows |= row[0] != 0.0);
+            runner.magnitudes(&[change], Part::All, &mut |_, row| follows |= row[0] > 0.0);
             follows
         })
     }

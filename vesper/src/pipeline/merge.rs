@@ -66,7 +66,7 @@ fn starts_of_pair<P: Scalar>(passes: &[Vec<Placed>], at: usize, pipeline: &Pipel
         // Shares that are held are added by an operation of their own.
         let Operand::Quantity(sum, _) = operands[0] else { return None };
         let (pass, start) = passes[..at].iter().enumerate().rev().find_map(|(number, pass)| {
-            let last = pass.iter().rposition(|op| op.operands.iter().any(|operand| operand.quantity() == Some(sum)))?;
+            let last = pass.iter().rposition(|op| touches(op, sum, pipeline))?;
             Some((number, last))
         })?;
         let begins = matches!(passes[pass][start].op, Op::Start { from: None, .. });
@@ -76,6 +76,15 @@ fn starts_of_pair<P: Scalar>(passes: &[Vec<Placed>], at: usize, pipeline: &Pipel
         starts.push((pass, start));
     }
     Some(starts)
+}
+
+/// Whether an operation looks at a sum, or adds to it. Shares that are held name only where they are kept.
+fn touches<P: Scalar>(op: &Placed, sum: QuantityId, pipeline: &Pipeline<P>) -> bool {
+    if let Op::Hold { seat } = op.op {
+        let seat = &pipeline.registry.seats[seat];
+        return crate::graph::outputs(&pipeline.entries[seat.law].signature, seat).any(|(_, id)| id == sum);
+    }
+    op.operands.iter().any(|operand| operand.quantity() == Some(sum))
 }
 
 /// A kick and the drift that follows, by one law on the same rows, as one operation.
@@ -114,13 +123,9 @@ fn starts_of_sums<P: Scalar>(pass: &[Placed], at: usize, pipeline: &Pipeline<P>)
     let starts: Option<Vec<usize>> = sums
         .map(|(_, tie)| {
             let Tie::Quantity(sum) = *tie else { return None };
-            let start = pass[..at].iter().rposition(|op| touches(op, sum))?;
+            let start = pass[..at].iter().rposition(|op| touches(op, sum, pipeline))?;
             matches!(pass[start].op, Op::Start { from: None, .. }).then_some(start)
         })
         .collect();
     starts.filter(|starts| !starts.is_empty())
-}
-
-fn touches(op: &Placed, quantity: QuantityId) -> bool {
-    op.operands.iter().any(|operand| matches!(*operand, Operand::Quantity(id, _) if id == quantity))
 }

@@ -43,6 +43,9 @@ impl<P: Scalar> State<P> {
             }
         }
         Faults::unless_empty(faults, ())?;
+        if let Some(origin) = self.origin {
+            origin.measure(core::slice::from_mut(&mut rows))?;
+        }
         // Targets of links are checked against the domains as they are; the scene's own row must not be given again.
         let names = self.domains.iter().skip(1).filter(|other| other.name != rows.name);
         let mut around: Vec<Domain<P>> = names.map(|other| Domain::new(&other.name).rows(other.rows)).collect();
@@ -173,7 +176,10 @@ impl<P: Scalar> State<P> {
         )
     }
 
-    fn widen(&mut self, columns: Domain<P>) -> Result<(), Faults> {
+    fn widen(&mut self, mut columns: Domain<P>) -> Result<(), Faults> {
+        if let Some(origin) = self.origin {
+            origin.measure(core::slice::from_mut(&mut columns))?;
+        }
         let name = columns.name.clone();
         let others: Vec<Domain<P>> = self
             .domains

@@ -289,8 +289,8 @@ impl<P: Scalar> State<P> {
             .unwrap_or_default()
     }
 
-    /// A hash of every given number and link, for determinism tests: equal states have equal hashes, bit for bit. Lent
-    /// memory counts as zeros while the client changes it.
+    /// A hash of every given number and link, and of where an origin that moves is, for determinism tests: equal states have
+    /// equal hashes, bit for bit. Lent memory counts as zeros while the client changes it.
     pub fn hash(&self) -> u64 {
         // FNV-1a, 64 bits (Fowler, Noll, Vo): the order of the bytes is the order of domains, columns and rows.
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
@@ -299,6 +299,7 @@ impl<P: Scalar> State<P> {
                 hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
             }
         };
+        self.origin.iter().flat_map(Origin::numbers).for_each(|number| add(number.to_bits()));
         for domain in &self.domains {
             for column in domain.columns.iter().filter(|column| column.given) {
                 match &column.storage {

@@ -5,7 +5,7 @@
 //! that it is amid their rows. Never: a look at laws, which have to see differences only.
 
 use super::State;
-use crate::column::Column;
+use crate::column::{Column, Values};
 use crate::domain::{Domain, GivenValues};
 use crate::error::Fault;
 use crate::property::{PropertyInfo, Role};
@@ -24,46 +24,62 @@ pub(crate) struct Origin {
 const FAR: f64 = 8.0;
 
 impl Origin {
-    /// Amid what domains give, which is measured from it then, before anything is rounded to the precision of a state. Values
-    /// that cannot be read stay as they are, for the state to say what is wrong with them.
+    /// Amid what domains give, which is measured from it then, before anything is rounded to the precision of a state.
     ///
     /// # Errors
     /// No domain gives the property, it is no coordinate, or its memory is lent.
     pub(crate) fn amid<P: Scalar>(property: PropertyInfo, domains: &mut [Domain<P>]) -> Result<Self, Fault> {
         let mut origin = Origin { property, place: [0.0; 3], rest: [0.0; 3] };
-        let no = |reason: &str| Fault::OriginStays { who: property.name.to_owned(), reason: reason.to_owned() };
         let width = property.kind.width();
         if property.role != Role::Coordinate || width > 3 {
-            return Err(no("it is no coordinate"));
+            return Err(origin.stays("it is no coordinate"));
         }
-        let columns = domains.iter_mut().flat_map(|domain| &mut domain.columns);
-        let mut given = Vec::new();
-        for column in columns.filter(|column| column.info.name == property.name) {
-            let factor = column.factor();
-            match &mut column.values {
-                GivenValues::Numbers(values) => {
-                    let readable = values.width == width && values.numbers.iter().all(|number| number.is_finite());
-                    let Some(factor) = factor.filter(|_| readable) else { return Ok(origin) };
-                    values.numbers.iter_mut().for_each(|number| *number *= factor);
-                    column.unit = None;
-                    given.push(values);
-                }
-                GivenValues::Lent(_) | GivenValues::Links { .. } => {
-                    return Err(no("its numbers are the client's memory: give values, `.with(..)`"));
-                }
-            }
-        }
+        let Some(given) = origin.given(domains)? else { return Ok(origin) };
         if given.is_empty() {
-            return Err(no("no domain has it"));
+            return Err(origin.stays("no domain has it"));
         }
         let rows = given.iter().flat_map(|values| values.numbers.chunks_exact(width));
         origin.place = middle(rows.map(|row| core::array::from_fn(|c| row.get(c).copied().unwrap_or(0.0))));
-        for values in given {
+        origin.measure(domains)?;
+        Ok(origin)
+    }
+
+    /// Measures what domains give, from where coordinates begin, from here. Values that cannot be read stay as they are, for
+    /// the state to say what is wrong with them.
+    ///
+    /// # Errors
+    /// Memory is lent.
+    pub(crate) fn measure<P: Scalar>(&self, domains: &mut [Domain<P>]) -> Result<(), Fault> {
+        let width = self.property.kind.width();
+        for values in self.given(domains)?.into_iter().flatten() {
             for (k, number) in values.numbers.iter_mut().enumerate() {
-                *number -= origin.place[k % width];
+                *number = (*number - self.place[k % width]) - self.rest[k % width];
             }
         }
-        Ok(origin)
+        Ok(())
+    }
+
+    /// What domains give of the property, in its own unit; `None` where some of it cannot be read.
+    fn given<'a, P: Scalar>(&self, domains: &'a mut [Domain<P>]) -> Result<Option<Vec<&'a mut Values>>, Fault> {
+        let columns = domains.iter_mut().flat_map(|domain| &mut domain.columns);
+        let mut given = Vec::new();
+        for column in columns.filter(|column| column.info.name == self.property.name) {
+            let factor = column.factor();
+            let GivenValues::Numbers(values) = &mut column.values else {
+                return Err(self.stays("its numbers are the client's memory: give values, `.with(..)`"));
+            };
+            let readable =
+                values.width == self.property.kind.width() && values.numbers.iter().all(|number| number.is_finite());
+            let Some(factor) = factor.filter(|_| readable) else { return Ok(None) };
+            values.numbers.iter_mut().for_each(|number| *number *= factor);
+            column.unit = None;
+            given.push(values);
+        }
+        Ok(Some(given))
+    }
+
+    fn stays(&self, reason: &str) -> Fault {
+        Fault::OriginStays { who: self.property.name.to_owned(), reason: reason.to_owned() }
     }
 
     /// Where it is.

@@ -55,6 +55,38 @@ fn a_pair_law_that_begins_a_sum_gives_the_bits_of_one_that_adds_to_it() {
     }
 }
 
+#[test]
+fn a_pair_law_does_not_begin_sums_that_a_held_law_has_added_to() {
+    let run = |external: bool, builder: Builder<f64>| {
+        let bodies = Domain::new("bodies")
+            .with(Position, [[0.0, 0.0, 0.0], [1.0, 0.5, 0.0], [-2.0, 0.0, 1.0]])
+            .with(Velocity, [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+            .with(Mass, [1.0; 3])
+            .with(Charge, [1.0, 2.0, 3.0])
+            .with(DragCoefficient, [0.5; 3]);
+        let bodies = if external { bodies.with(ExternalForce, [[-0.0; 3]; 3]) } else { bodies };
+        let mut engine = builder.domain(bodies).law(Gravity::default()).law(Motion).step(0.01).build().unwrap();
+        engine.steps_of(7, 0.01).unwrap();
+        let numbers = engine.state().numbers("bodies", Velocity).unwrap();
+        numbers.into_iter().map(f64::to_bits).collect::<Vec<_>>()
+    };
+    let integrators = || -> [Box<dyn Integrator>; 3] {
+        [Box::new(Leapfrog::default()), Box::new(SemiImplicitEuler), Box::new(Respa::default())]
+    };
+    for number in 0..3 {
+        let builder = || Engine::<f64>::builder().boxed_integrator(integrators().into_iter().nth(number).unwrap());
+        for every in [1, 2, 4] {
+            // The last one takes no force that depends on velocities.
+            for row in [true, false].into_iter().skip(number / 2) {
+                let slow = || if row { builder().law(Drag.every(every)) } else { builder().law(Coulomb.every(every)) };
+                let [found, expected] = [false, true].map(|external| run(external, slow()));
+                assert_eq!(found, expected, "integrator {number}, every {every}, row law {row}");
+                assert_ne!(found, run(false, builder()), "the slow law acts");
+            }
+        }
+    }
+}
+
 /// Drag of coefficient 1 on a mass of 2 by hand; the force is that of the steps that `fresh` says.
 fn by_hand(steps: u32, fresh: impl Fn(u32) -> bool) -> (f64, f64) {
     let (mut place, mut speed, mut force) = (0.0, 1.0, 0.0);
