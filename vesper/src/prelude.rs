@@ -9,7 +9,7 @@ pub use crate::integrate::{
     Auto, Boris, Boris8, Combination, DormandPrince5, DormandPrince8, DriftKickDrift, ExplicitEuler, GaussRadau15,
     HigueraCary, ImplicitEuler, ImplicitMidpoint, Integrator, Leapfrog, Linearised, Midpoint, Nystrom12, Part,
     Quantity, Register, Respa, RungeKutta4, SemiImplicitEuler, StableLimits, StableStep, Structure, Symplectic4,
-    Symplectic6, Symplectic8, System, Tolerance,
+    Symplectic6, Symplectic8, System, Terms, Tolerance,
 };
 pub use crate::law::{ColumnLaw, DynLaw, Law, LinkLaw, PairLaw, RowLaw, Signature};
 pub use crate::pipeline;

@@ -10,9 +10,10 @@ use super::pointers::{
 use super::tangent::{self, TangentCall};
 use super::within::Within;
 use super::{Compiled, Kernel};
-use crate::law::{Declared, PairFamily, PairLaw, Place, Signature};
-use crate::real::{Isa, Lanes, MAX_WIDTH, Scalar, WithLanes};
+use crate::law::{Declared, PairFamily, PairLaw, Place, Signature, Sink};
+use crate::real::{Isa, Lanes, Scalar, WithLanes};
 use core::ops::Range;
+use std::sync::Arc;
 
 /// One call of a pair kernel.
 pub(crate) struct PairCall<'a, P> {
@@ -52,7 +53,7 @@ pub fn pair<P: Scalar, F: PairFamily>(law: &F) -> Compiled<P> {
         signature: F::SIGNATURE,
         energy: F::ENERGY,
         parameters: law.parameters(),
-        kernel: Kernel::Pair(Box::new(law.clone())),
+        kernel: Kernel::Pair(Arc::new(law.clone())),
     }
 }
 
@@ -146,20 +147,19 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
 
     #[inline(always)]
     fn give_by<R: Lanes<P>, Rule: RateRule>(slots: &Slots<P>, i: usize, sums: &Sums<R>, count: usize) {
+        // SAFETY: see above.
+        let (mut rows, mut few) = unsafe {
+            let nothing = R::lit(0.0);
+            (
+                RowsMut::<P, R, Rule, false>::new(slots, i, nothing),
+                RowsMut::<P, R, Rule, true>::few(slots, i, count, nothing),
+            )
+        };
         for (k, sum) in sums.values[..Self::ADDED].iter().enumerate() {
             if count == R::WIDTH {
-                // SAFETY: see above.
-                let mut sink = unsafe { RowsMut::<P, R, Rule>::new(slots, i, R::lit(0.0)) };
-                crate::law::Sink::add(&mut sink, Self::FIRST + k, *sum);
-                continue;
-            }
-            let mut lanes = [P::default(); MAX_WIDTH];
-            // SAFETY: there is room for the widest lanes.
-            unsafe { sum.store(lanes.as_mut_ptr()) };
-            for (lane, sum) in lanes[..count].iter().enumerate() {
-                // SAFETY: see above.
-                let mut sink = unsafe { RowsMut::<P, P, Rule>::new(slots, i + lane, P::default()) };
-                crate::law::Sink::add(&mut sink, Self::FIRST + k, *sum);
+                rows.add(Self::FIRST + k, *sum);
+            } else {
+                few.add(Self::FIRST + k, *sum);
             }
         }
     }
@@ -169,7 +169,7 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
     fn share<R: Lanes<P>>(law: &F::Kernel<R>, slots: &Slots<P>, row_i: RowOf<F, R>, j: usize) -> Sums<R> {
         // SAFETY: see above.
         let row_j = <F::Kernel<R> as Declared<R>>::load(&Within::<_, F>::new(unsafe { Splat::new(slots, j) }));
-        let mut share = Sums::zero(Self::FIRST);
+        let mut share = Sums::nothing(Self::FIRST);
         <F::Kernel<R> as Declared<R>>::store(law.pair(row_i, row_j), &mut share);
         share
     }
@@ -199,9 +199,11 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
         sums: &mut Sums<R>,
         own: Range<usize>,
     ) {
-        let lane = R::from_lanes(|lane| P::from_f64(lane as f64));
-        for (index, j) in own.enumerate() {
-            let itself = lane.equal(R::lit(index as f64));
+        // How far the row of each lane is behind row j.
+        let mut behind = R::from_lanes(|lane| P::from_f64(lane as f64));
+        for j in own {
+            let itself = behind.equal(R::lit(0.0));
+            behind -= R::lit(1.0);
             let share = Self::share(law, slots, row_i, j);
             for (sum, share) in sums.values[..Self::ADDED].iter_mut().zip(share.values) {
                 *sum = R::select(itself, *sum, *sum + share);

@@ -106,12 +106,6 @@ pub(crate) struct Rows<'a, P> {
 }
 
 impl<'a, P: Scalar> Rows<'a, P> {
-    /// The number of a uniform field.
-    #[inline(always)]
-    pub(crate) fn number(&self, slot: usize) -> P {
-        self.slots.numbers[slot]
-    }
-
     /// # Safety
     /// Every slot is null, or points to numbers of rows `row..row + R::WIDTH` of the lanes `R` it is read in, or, for a
     /// constant, to one number, or, for a uniform field, to `MAX_WIDTH` equal ones; they stay valid for `'a`.
@@ -146,7 +140,7 @@ impl<P: Scalar, R: Lanes<P>> Source<R> for Rows<'_, P> {
     }
 }
 
-/// `count` neighbouring rows from `row` on. Where they do not fill the lanes, the last one fills the rest.
+/// `count` neighbouring rows from `row` on. Where they do not fill the lanes, the rest is 0.
 pub(crate) struct FewRows<'a, P> {
     slots: &'a Slots<P>,
     row: usize,
@@ -155,8 +149,8 @@ pub(crate) struct FewRows<'a, P> {
 
 impl<'a, P> FewRows<'a, P> {
     /// # Safety
-    /// Every slot is null, or points to numbers of rows `row..row + count`, or, for a constant, to one number; they stay
-    /// valid for `'a`. There is a row.
+    /// Every slot is null, or points to numbers of rows `row..row + count`, or, for a constant, to one number, or, for a uniform
+    /// field, to `MAX_WIDTH` equal ones; they stay valid for `'a`. There are at most as many rows as lanes.
     #[inline(always)]
     pub(crate) unsafe fn new(slots: &'a Slots<P>, row: usize, count: usize) -> Self {
         FewRows { slots, row, count }
@@ -174,18 +168,17 @@ impl<P: Scalar, R: Lanes<P>> Source<R> for FewRows<'_, P> {
     }
     #[inline(always)]
     fn component(&self, slot: usize) -> R {
-        let (first, last) = (self.slots.pointers[slot].wrapping_add(self.row), self.count - 1);
-        if last + 1 >= R::WIDTH {
-            // SAFETY: `new` was promised the rows, and they fill the lanes.
-            unsafe { R::load(first) }
-        } else {
-            // SAFETY: as above; no lane is of a row behind the last one.
-            R::from_lanes(|lane| unsafe { *first.add(if lane < last { lane } else { last }) })
-        }
+        // SAFETY: `new` was promised the rows.
+        unsafe { R::load_first(self.slots.pointers[slot].add(self.row), self.count) }
     }
     #[inline(always)]
     fn constant(&self, slot: usize) -> R {
         R::splat(self.slots.numbers[slot])
+    }
+    #[inline(always)]
+    fn field(&self, slot: usize) -> R {
+        // SAFETY: as above.
+        unsafe { R::load_first(self.slots.pointers[slot].add(row_of(self.row, self.slots.uniform, slot)), self.count) }
     }
 }
 
@@ -254,39 +247,53 @@ rate_rules! {
     AdvanceMomenta Momenta true false false, KickDrift Momenta true false true,
 }
 
-/// `R::WIDTH` neighbouring rows from `row` on, to write.
-pub(crate) struct RowsMut<'a, P, R, Rule> {
+/// `R::WIDTH` neighbouring rows from `row` on, or, with `FEW`, `count` of them, to write.
+pub(crate) struct RowsMut<'a, P, R, Rule, const FEW: bool> {
     slots: &'a Slots<P>,
     row: usize,
+    count: usize,
     step: R,
     rule: PhantomData<Rule>,
 }
 
-impl<'a, P, R, Rule> RowsMut<'a, P, R, Rule> {
+impl<'a, P, R, Rule> RowsMut<'a, P, R, Rule, false> {
     /// # Safety
     /// As for [`Rows::new`], and every slot that is written points to numbers that nobody else touches.
     #[inline(always)]
     pub(crate) unsafe fn new(slots: &'a Slots<P>, row: usize, step: R) -> Self {
-        RowsMut { slots, row, step, rule: PhantomData }
+        RowsMut { slots, row, count: 0, step, rule: PhantomData }
     }
 }
 
-impl<P: Copy, R: Lanes<P>, Rule: RateRule> Sink<R> for RowsMut<'_, P, R, Rule> {
+impl<'a, P, R, Rule> RowsMut<'a, P, R, Rule, true> {
+    /// # Safety
+    /// As for [`FewRows::new`], and every slot that is written points to numbers that nobody else touches.
+    #[inline(always)]
+    pub(crate) unsafe fn few(slots: &'a Slots<P>, row: usize, count: usize, step: R) -> Self {
+        RowsMut { slots, row, count, step, rule: PhantomData }
+    }
+}
+
+impl<P: Scalar, R: Lanes<P>, Rule: RateRule, const FEW: bool> Sink<R> for RowsMut<'_, P, R, Rule, FEW> {
     #[inline(always)]
     fn set(&mut self, slot: usize, value: R) {
-        // SAFETY: `new` was promised the rows.
-        unsafe { value.store(self.slots.pointers[slot].add(self.row)) }
+        // SAFETY: `new` was promised the rows, or `few`.
+        unsafe {
+            let to = self.slots.pointers[slot].add(self.row);
+            if FEW { value.store_first(to, self.count) } else { value.store(to) }
+        }
     }
     #[inline(always)]
     fn add(&mut self, slot: usize, value: R) {
         if Rule::FIRST {
             return self.set(slot, value);
         }
-        // SAFETY: `new` was promised the rows.
-        unsafe {
+        // SAFETY: as above.
+        let before = unsafe {
             let to = self.slots.pointers[slot].add(self.row);
-            (R::load(to) + value).store(to);
-        }
+            if FEW { R::load_first(to, self.count) } else { R::load(to) }
+        };
+        self.set(slot, before + value);
     }
     #[inline(always)]
     fn turn(&mut self, slot: usize, value: R) {
@@ -323,6 +330,12 @@ impl<R: Real> Sums<R> {
     #[inline(always)]
     pub(crate) fn zero(first: usize) -> Self {
         Sums { values: [R::lit(0.0); SUMS], first }
+    }
+
+    /// For what is added to a sum: what leaves every number as it is, so that the compiler leaves it out.
+    #[inline(always)]
+    pub(crate) fn nothing(first: usize) -> Self {
+        Sums { values: [R::lit(-0.0); SUMS], first }
     }
 }
 

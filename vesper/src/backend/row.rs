@@ -1,13 +1,13 @@
 //! The loop of a row law: block by block, lanes first, then the rows that are left one by one.
 
 use super::pointers::{
-    AdvanceAll, AdvanceCoordinates, AdvanceMomenta, KickDrift, RateRule, Rows, RowsMut, Slots, StoreAll,
+    AdvanceAll, AdvanceCoordinates, AdvanceMomenta, FewRows, KickDrift, RateRule, Rows, RowsMut, Slots, StoreAll,
     StoreCoordinates, StoreFirst, StoreMomenta, slot_count, slots_at, wants,
 };
 use super::tangent::{self, TangentCall};
 use super::within::Within;
 use super::{Compiled, Kernel};
-use crate::law::{Declared, Mode, Part, Place, RowFamily, RowLaw, Signature, Source};
+use crate::law::{Declared, Mode, Part, Place, RowFamily, RowLaw, Signature, Sink, Source};
 use crate::property::Role;
 use crate::real::{Isa, Lanes, Scalar, WithLanes, prefetch};
 use core::marker::PhantomData;
@@ -195,11 +195,32 @@ impl<P: Scalar, F: RowFamily, Rule: RateRule, const UNIFORM: bool> Task<'_, P, F
     #[inline(always)]
     fn part<R: Lanes<P>, Part: RateRule>(law: &F::Kernel<R>, slots: &Slots<P>, row: usize, step: R) {
         // SAFETY: `Task::new` was promised the rows; all loads of a row come before its stores.
-        let source = Within::<_, F>::new(unsafe { Masked::<P, F, Part, UNIFORM>::new(slots, row) });
-        let output = law.row(<F::Kernel<R> as Declared<R>>::load(&source));
+        let (rows, sink) = unsafe { (Rows::new(slots, row), RowsMut::<P, R, Part, false>::new(slots, row, step)) };
+        Self::body::<R, Part>(law, rows, sink);
+    }
+
+    /// The last rows, which do not fill the lanes.
+    #[inline(always)]
+    fn few<R: Lanes<P>>(&self, slots: &Slots<P>, row: usize, steps: [P; 2]) {
+        let law = self.law.kernel::<R>();
+        let [step, drift] = steps.map(R::splat);
+        let count = self.call.rows - row;
         // SAFETY: as above.
-        let mut sink = Within::<_, F>::new(unsafe { RowsMut::<P, R, Part>::new(slots, row, step) });
-        <F::Kernel<R> as Declared<R>>::store(output, &mut sink);
+        let rows = || unsafe { FewRows::new(slots, row, count) };
+        // SAFETY: as above.
+        Self::body::<R, Rule>(&law, rows(), unsafe { RowsMut::<P, R, Rule, true>::few(slots, row, count, step) });
+        if Rule::DRIFT {
+            // SAFETY: as above.
+            let sink = unsafe { RowsMut::<P, R, AdvanceCoordinates, true>::few(slots, row, count, drift) };
+            Self::body::<R, AdvanceCoordinates>(&law, rows(), sink);
+        }
+    }
+
+    #[inline(always)]
+    fn body<R: Lanes<P>, Part: RateRule>(law: &F::Kernel<R>, rows: impl Source<R>, sink: impl Sink<R>) {
+        let source = Within::<_, F>::new(Masked::<_, F, Part, UNIFORM>::new(rows));
+        let output = law.row(<F::Kernel<R> as Declared<R>>::load(&source));
+        <F::Kernel<R> as Declared<R>>::store(output, &mut Within::<_, F>::new(sink));
     }
 }
 
@@ -237,6 +258,14 @@ impl<P: Scalar, F: RowFamily, Rule: RateRule, const UNIFORM: bool> WithLanes<P> 
                 row += R::WIDTH;
             }
         }
+        // Lanes that are more than half full are faster than one row after the other, whatever a body takes.
+        let left = rows - row;
+        if 2 * left > R::WIDTH && R::WIDTH > 1 {
+            return self.few::<R>(&slots, row, steps);
+        }
+        if 2 * left > <R::Narrow as Lanes<P>>::WIDTH && <R::Narrow as Lanes<P>>::WIDTH > 1 {
+            return self.few::<R::Narrow>(&slots, row, steps);
+        }
         let law = self.law.kernel::<P>();
         while row < rows {
             Self::step::<P>(&law, &slots, row, steps);
@@ -245,32 +274,29 @@ impl<P: Scalar, F: RowFamily, Rule: RateRule, const UNIFORM: bool> WithLanes<P> 
     }
 }
 
-/// [`Rows`] that only load what the wanted rates depend on.
-struct Masked<'a, P, F, Rule, const UNIFORM: bool> {
-    rows: Rows<'a, P>,
+/// Rows that only load what the wanted rates depend on.
+struct Masked<S, F, Rule, const UNIFORM: bool> {
+    rows: S,
     marker: PhantomData<(F, Rule)>,
 }
 
-impl<'a, P: Scalar, F: RowFamily, Rule: RateRule, const UNIFORM: bool> Masked<'a, P, F, Rule, UNIFORM> {
+impl<S, F: RowFamily, Rule: RateRule, const UNIFORM: bool> Masked<S, F, Rule, UNIFORM> {
     const MASK: u64 = wants(F::SIGNATURE.ports, Rule::PART);
 
     #[inline(always)]
-    unsafe fn new(slots: &'a Slots<P>, row: usize) -> Self {
-        // SAFETY: passed on to the caller.
-        Masked { rows: unsafe { Rows::new(slots, row) }, marker: PhantomData }
+    fn new(rows: S) -> Self {
+        Masked { rows, marker: PhantomData }
     }
 }
 
-impl<P: Scalar, R: Lanes<P>, F: RowFamily, Rule: RateRule, const UNIFORM: bool> Source<R>
-    for Masked<'_, P, F, Rule, UNIFORM>
-{
+impl<R, S: Source<R>, F: RowFamily, Rule: RateRule, const UNIFORM: bool> Source<R> for Masked<S, F, Rule, UNIFORM> {
     #[inline(always)]
     fn wants(&self, port: usize) -> bool {
         port >= 64 || Self::MASK >> port & 1 == 1
     }
     #[inline(always)]
     fn has(&self, slot: usize) -> bool {
-        Source::<R>::has(&self.rows, slot)
+        self.rows.has(slot)
     }
     #[inline(always)]
     fn component(&self, slot: usize) -> R {
@@ -282,6 +308,7 @@ impl<P: Scalar, R: Lanes<P>, F: RowFamily, Rule: RateRule, const UNIFORM: bool> 
     }
     #[inline(always)]
     fn field(&self, slot: usize) -> R {
-        if UNIFORM { R::splat(self.rows.number(slot)) } else { self.rows.field(slot) }
+        // The number of a uniform field is kept beside those of constants.
+        if UNIFORM { self.rows.constant(slot) } else { self.rows.field(slot) }
     }
 }

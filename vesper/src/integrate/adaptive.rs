@@ -171,13 +171,19 @@ impl Steps {
     }
 
     /// The first step: what was given, or a share of the time in which a row's rate would change it by itself, smaller for
-    /// a tighter tolerance. Needs the rates.
-    pub(super) fn begin(&mut self, system: &mut dyn System, order: i32, relative: f64, span: f64) -> f64 {
+    /// a tighter tolerance. `rates` are those of the state.
+    pub(super) fn begin(
+        &mut self,
+        system: &mut dyn System,
+        rates: Register,
+        (order, relative): (i32, f64),
+        span: f64,
+    ) -> f64 {
         if let Some(step) = self.next.or(self.first) {
             return step;
         }
         let mut shortest = f64::INFINITY;
-        system.magnitudes(&[Register::State, Register::Rates], Part::All, &mut |_, row| {
+        system.magnitudes(&[Register::State, rates], Part::All, &mut |_, row| {
             if row[0] > 0.0 && row[1] > 0.0 {
                 shortest = shortest.min(row[0] / row[1]);
             }

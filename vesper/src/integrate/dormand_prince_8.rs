@@ -1,9 +1,11 @@
 //! The method of Dormand and Prince of order 8, with errors of orders 5 and 3 (DOP853).
 //!
 //! Order 8, twelve evaluations per step; the step follows the tolerance, and the last solution is kept (local
-//! extrapolation). Frames within a step get a dense output of order 7, for four more evaluations. For any smooth laws and small errors. Not symplectic: energy drifts with the tolerance, so not for many
-//! thousand periods, where a symplectic method or `gauss_radau_15` is better; not for stiff laws, whose steps stability
-//! would dictate.
+//! extrapolation). The next step is foreseen from the last two errors and lengths, as in `nystrom_12`: on an orbit of
+//! eccentricity 0.6 steps that are tried in vain become few.
+//! Frames within a step get a dense output of order 7, for four more evaluations. For any smooth laws and small errors. Not
+//! symplectic: energy drifts with the tolerance, so not for many thousand periods, where a symplectic method or
+//! `gauss_radau_15` is better; not for stiff laws, whose steps stability would dictate.
 //!
 //! Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), II.5 and appendix; the
 //! coefficients are those of their code dop853.
@@ -48,7 +50,7 @@ const METHOD: Embedded<2> = Embedded {
         if fifth == 0.0 { 0.0 } else { fifth * fifth / (fifth * fifth + 0.01 * third * third).sqrt() }
     },
     last_is_first: false,
-    control: Control { order: 8, beta: 0.0, limits: [1.0 / 3.0, 6.0], foresees: false },
+    control: Control { order: 8, beta: 0.0, limits: [1.0 / 3.0, 6.0], foresees: true },
     dense: Dense { further: FURTHER, terms: DENSE },
 };
 

@@ -9,7 +9,7 @@
 use super::adaptive::{Control, Span, Steps};
 use super::dense::Ahead;
 use super::jump::{Found, Jump};
-use super::{Register, System, Term, Tolerance};
+use super::{Register, System, Terms, Tolerance};
 use crate::error::Fault;
 use crate::law::Part;
 
@@ -79,11 +79,10 @@ impl Progress {
         let (mut jump, mut closer) = (Jump::default(), None);
         while span.rest() > 0.0 {
             if !self.holds_first {
-                system.evaluate(Part::All);
-                system.copy(slope(0), Register::Rates, Part::All);
+                system.evaluate_to(slope(0), Part::All);
                 self.holds_first = true;
             }
-            let next = self.steps.begin(system, control.order, tolerance.relative, length);
+            let next = self.steps.begin(system, slope(0), (control.order, tolerance.relative), length);
             let beyond = scheme.end().is_some() && !holds && span.is_untouched() && next >= BEYOND * span.rest();
             let (step, last) = match closer.take() {
                 Some(step) => span.part(step),
@@ -178,20 +177,7 @@ impl Progress {
     }
 }
 
-/// The terms of a sum over the slopes, and how many there are. What they are added to comes last, so that it is rounded
-/// once.
-pub(super) fn along(
-    weights: &[f64],
-    step: f64,
-    from: Option<Register>,
-    slope: impl Fn(usize) -> Register,
-) -> ([Term; STAGES + 1], usize) {
-    let mut terms = [(0.0, START); STAGES + 1];
-    let mut count = 0;
-    let slopes = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
-    for term in slopes.map(|(stage, weight)| (weight * step, slope(stage))).chain(from.map(|from| (1.0, from))) {
-        terms[count] = term;
-        count += 1;
-    }
-    (terms, count)
+/// The slopes by a row of a table, times the step.
+pub(super) const fn slopes(weights: &[f64], step: f64) -> Terms<'_> {
+    Terms::weighted(1, weights, step)
 }

@@ -23,7 +23,7 @@
 use super::adaptive::{Span, Steps};
 use super::gauss_radau_table::{AT, AT_REST, HIGHEST, NODES, ONCE, REST, TWICE};
 use super::jump::{Found, Jump};
-use super::{Combination, Integrator, Register, Structure, System, Term};
+use super::{Combination, Integrator, Register, Structure, System, Term, Terms};
 use crate::error::Fault;
 use crate::law::Part;
 
@@ -83,6 +83,15 @@ const fn rates(bank: usize, place: usize) -> Register {
     Register::Work(2 + bank * NODES + place)
 }
 
+/// The rates at all places by their weights.
+const fn by(weights: &[f64; NODES], factor: f64, bank: usize) -> Terms<'_> {
+    Terms::weighted(2 + bank * NODES, weights, factor)
+}
+
+fn sum(system: &mut dyn System, to: Register, terms: Terms<'_>, part: Part) {
+    system.linear(Combination { to, adds: false, part, terms, momenta: Terms::NONE });
+}
+
 impl Integrator for GaussRadau15 {
     fn name(&self) -> &'static str {
         NAME
@@ -119,7 +128,7 @@ impl Integrator for GaussRadau15 {
         let holds = system.hold();
         while span.rest() > 0.0 {
             system.evaluate(of.part);
-            let next = self.steps.begin(system, 15, self.precision, step);
+            let next = self.steps.begin(system, Register::Rates, (15, self.precision), step);
             let (mut length, mut last) = span.cut(system, NAME, next)?;
             let before = self.last.take();
             if let Some(before) = before {
@@ -257,8 +266,7 @@ impl GaussRadau15 {
 
     /// The step that the rates of this one ask for.
     fn best_step(&self, system: &mut dyn System, of: Form, length: f64) -> f64 {
-        let terms: [Term; NODES] = core::array::from_fn(|place| (HIGHEST[place], rates(self.bank, place)));
-        system.combine(SUM, &terms, of.part);
+        sum(system, SUM, by(&HIGHEST, 1.0, self.bank), of.part);
         let mut vectors = [Register::State; NODES + 2];
         vectors[0] = SUM;
         for (place, vector) in vectors[2..].iter_mut().enumerate() {
@@ -283,17 +291,38 @@ impl GaussRadau15 {
         let other = 1 - self.bank;
         for (place, at) in AT.iter().enumerate() {
             let at = from + at * ratio;
-            let terms: [Term; NODES] = core::array::from_fn(|k| (basis(k, at), rates(self.bank, k)));
-            system.combine(rates(other, place), &terms, of.part);
+            sum(system, rates(other, place), by(&basis(at), 1.0, self.bank), of.part);
         }
         self.bank = other;
     }
 }
 
-/// The polynomial that is 1 at place `k` and 0 at the others.
-fn basis(k: usize, at: f64) -> f64 {
-    (0..NODES).filter(|other| *other != k).map(|other| (at - AT[other]) / (AT[k] - AT[other])).product()
+/// At this place of the step, each of the polynomials that is 1 at one of the places of the rates and 0 at the others.
+fn basis(at: f64) -> [f64; NODES] {
+    let mut values = [1.0; NODES];
+    for (other, apart) in APART.iter().enumerate() {
+        let far = at - AT[other];
+        for (k, value) in values.iter_mut().enumerate() {
+            *value *= if k == other { 1.0 } else { far / apart[k] };
+        }
+    }
+    values
 }
+
+/// How far each place is from this one.
+const APART: [[f64; NODES]; NODES] = {
+    let mut apart = [[0.0; NODES]; NODES];
+    let mut other = 0;
+    while other < NODES {
+        let mut k = 0;
+        while k < NODES {
+            apart[other][k] = AT[k] - AT[other];
+            k += 1;
+        }
+        other += 1;
+    }
+    apart
+};
 
 /// How coordinates follow from the rates.
 #[derive(Clone, Copy, Debug)]
@@ -312,16 +341,17 @@ impl Form {
             let weights = ONCE[row].map(|weight| weight * length);
             // Most of what they leave out is what they would leave out of a rate that stays.
             let rest = weights.iter().fold(Pair::place(row, length), |left, weight| left.less(*weight));
-            let terms = sum(&ONCE[row], length, bank, [(rest.sum + rest.rest, rates(bank, 0)), (1.0, START)]);
-            system.combine(Register::State, &terms, part);
+            let others = [(rest.sum + rest.rest, rates(bank, 0)), (1.0, START)];
+            sum(system, Register::State, by(&ONCE[row], length, bank).and(&others), part);
         }
         if !self.follows {
             return;
         }
         let place = Pair::place(row, length);
-        let momenta = sum(&TWICE[row], length * length, bank, [(place.sum, START), (place.rest, START)]);
+        let others = [(place.sum, START), (place.rest, START)];
+        let momenta = by(&TWICE[row], length * length, bank).and(&others);
         let (to, part) = (Register::State, Part::Coordinates);
-        system.linear(Combination { to, adds: false, part, terms: &[(1.0, START)], momenta: &momenta });
+        system.linear(Combination { to, adds: false, part, terms: Terms::of(&[(1.0, START)]), momenta });
     }
 
     /// How much the last round changed the rates at the last place, in roundings of the state: of its momenta, or of the
@@ -372,20 +402,11 @@ impl Form {
         if self.follows {
             system.combine(SUM, &mean(&TWICE[row], rest_twice), Part::Momenta);
             system.combine(SUM, &[(length, SUM), (1.0, START)], Part::Momenta);
-            let (to, part, momenta) = (Register::State, Part::Coordinates, &[(length, SUM)][..]);
-            system.linear(Combination { to, adds: true, part, terms: &[], momenta });
+            system.follow(Register::State, &[(length, SUM)], true);
         }
         system.combine(SUM, &mean(&ONCE[row], rest_once), self.part);
         system.add(Register::State, &[(length, SUM)], self.part);
     }
-}
-
-/// Rates by their weights, and something else behind them.
-fn sum(weights: &[f64; NODES], factor: f64, bank: usize, last: [Term; 2]) -> [Term; NODES + 2] {
-    core::array::from_fn(|k| match k.checked_sub(NODES) {
-        Some(number) => last[number],
-        None => (weights[k] * factor, rates(bank, k)),
-    })
 }
 
 /// A number, and what rounding left out of it.

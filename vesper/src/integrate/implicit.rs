@@ -17,7 +17,7 @@
 //! Comput. 7 (1986) 856.
 
 use super::krylov::{Arnoldi, BASIS, givens};
-use super::{Combination, Register, System};
+use super::{Register, System};
 use crate::error::Fault;
 use crate::law::Part;
 
@@ -103,9 +103,7 @@ impl Solver<'_> {
     /// Lets coordinates follow the increments of the momenta.
     fn follow(&mut self) {
         if self.follows {
-            let momenta = &[(self.factor, START), (self.factor, INCREMENT)];
-            let part = Part::Coordinates;
-            self.system.linear(Combination { to: INCREMENT, adds: false, part, terms: &[], momenta });
+            self.system.follow(INCREMENT, &[(self.factor, START), (self.factor, INCREMENT)], false);
         }
     }
 
@@ -140,9 +138,7 @@ impl Solver<'_> {
         let mut along = of;
         if self.follows {
             self.system.copy(DIRECTION, of, Part::Momenta);
-            let momenta = &[(factor, of)];
-            let coordinates = Part::Coordinates;
-            self.system.linear(Combination { to: DIRECTION, adds: false, part: coordinates, terms: &[], momenta });
+            self.system.follow(DIRECTION, &[(factor, of)], false);
             along = DIRECTION;
         }
         self.system.derivative(CHANGE, along);

@@ -93,4 +93,4 @@ pub(crate) use stability::{stable_step, vectors as stable_vectors};
 pub use symplectic_4::Symplectic4;
 pub use symplectic_6::Symplectic6;
 pub use symplectic_8::Symplectic8;
-pub use system::{Combination, Pace, Register, Rotation, System, Term};
+pub use system::{Combination, Pace, Register, Rotation, System, Term, Terms};

@@ -14,9 +14,9 @@
 //! RKN12(10)17M.
 
 use super::adaptive::Control;
-use super::embedded::{Progress, START, Scheme, along, slope};
+use super::embedded::{Progress, START, Scheme, slope, slopes};
 use super::nystrom_12_table::{MOMENTA, MOMENTUM_ERRORS, PLACE_ERRORS, PLACES, STAGES};
-use super::{Combination, Integrator, Register, Structure, System, Tolerance};
+use super::{Combination, Integrator, Register, Structure, System, Terms, Tolerance};
 use crate::error::Fault;
 use crate::law::Part;
 
@@ -106,14 +106,15 @@ impl Pair {
     /// Leaves a sum over the rates of momenta in a vector: of coordinates, which the momenta at the start move by `time`, too, and
     /// of momenta.
     fn coordinates(system: &mut dyn System, to: Register, weights: &[f64], (time, step): (f64, f64), adds: bool) {
-        let (mut momenta, mut count) = along(weights, step * step, None, slope);
-        if time != 0.0 {
-            momenta[count] = (time, START);
-            count += 1;
-        }
-        let terms: &[_] = if to == Register::State && !adds { &[(1.0, START)] } else { &[] };
-        let part = Part::Coordinates;
-        system.linear(Combination { to, adds, part, terms, momenta: &momenta[..count] });
+        let start = [(time, START)];
+        let momenta = slopes(weights, step * step).and(if time == 0.0 { &[] } else { &start });
+        let terms = if to == Register::State && !adds { const { &[(1.0, START)] } } else { &[][..] };
+        system.linear(Combination { to, adds, part: Part::Coordinates, terms: Terms::of(terms), momenta });
+    }
+
+    /// Leaves a sum over the rates of momenta, and some others, in a vector.
+    fn momenta(system: &mut dyn System, to: Register, terms: Terms<'_>, adds: bool) {
+        system.linear(Combination { to, adds, part: Part::Momenta, terms, momenta: Terms::NONE });
     }
 }
 
@@ -138,24 +139,20 @@ impl Scheme for Pair {
         for (number, (when, far)) in STAGES.iter().enumerate() {
             Pair::coordinates(system, Register::State, far, (when * step, step), false);
             system.set_time(time + when * step);
-            system.evaluate(Part::Momenta);
-            system.copy(slope(number + 1), Register::Rates, Part::Momenta);
+            system.evaluate_to(slope(number + 1), Part::Momenta);
         }
         Pair::coordinates(system, Register::State, PLACES, (step, step), false);
-        let (terms, count) = along(MOMENTA, step, Some(START), slope);
-        system.combine(Register::State, &terms[..count], Part::Momenta);
+        Pair::momenta(system, Register::State, slopes(MOMENTA, step).and(&[(1.0, START)]), false);
     }
 
     fn excess(&self, system: &mut dyn System, tolerance: &Tolerance, step: f64) -> f64 {
         Pair::coordinates(system, ERROR, PLACE_ERRORS, (0.0, step), false);
-        let (terms, count) = along(MOMENTUM_ERRORS, step, None, slope);
-        system.combine(ERROR, &terms[..count], Part::Momenta);
+        Pair::momenta(system, ERROR, slopes(MOMENTUM_ERRORS, step), false);
         tolerance.excess(system, [ERROR], |[error]| error, (START, slope(0), step))
     }
 
     fn take(&self, system: &mut dyn System, step: f64) {
         Pair::coordinates(system, Register::State, PLACES, (step, step), true);
-        let (terms, count) = along(MOMENTA, step, None, slope);
-        system.add(Register::State, &terms[..count], Part::Momenta);
+        Pair::momenta(system, Register::State, slopes(MOMENTA, step), true);
     }
 }

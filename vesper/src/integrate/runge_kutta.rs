@@ -2,8 +2,8 @@
 
 use super::adaptive::Control;
 use super::dense::{Ahead, Dense};
-use super::embedded::{Progress, START, Scheme, along, slope};
-use super::{Register, System, Tolerance};
+use super::embedded::{Progress, START, Scheme, slope, slopes};
+use super::{Combination, Register, System, Terms, Tolerance};
 use crate::law::Part;
 
 /// An explicit method with an error estimate (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.4).
@@ -34,18 +34,19 @@ impl<const ERRORS: usize> Embedded<ERRORS> {
         self.dense.further.len() + if self.last_is_first { 0 } else { 1 }
     }
 
-    /// The rates of a stage, or of one that is only for the dense output.
-    fn slope(&self, number: usize) -> Register {
-        let stages = self.stages.len() + 1;
-        if number < stages { slope(number) } else { slope(number + ERRORS) }
-    }
-
+    /// Behind the rates of the stages, and of those that are only for the dense output.
     fn end_vector(&self) -> Register {
-        slope(self.stages.len() + 1 + ERRORS + self.further())
+        slope(self.stages.len() + 1 + self.further())
     }
 
     fn error_vector(&self, number: usize) -> Register {
-        slope(self.stages.len() + 1 + number)
+        slope(self.stages.len() + 2 + self.further() + number)
+    }
+
+    /// Leaves the start and the slopes by a row of the table in the state.
+    fn go(system: &mut dyn System, weights: &[f64], step: f64) {
+        let terms = slopes(weights, step).and(&[(1.0, START)]);
+        sum(system, Register::State, terms, false);
     }
 
     /// Puts the state at the system's time, where that is within a step.
@@ -63,8 +64,7 @@ impl<const ERRORS: usize> Embedded<ERRORS> {
             ahead.ready = true;
         }
         let weights = self.dense.weights(share, self.weights, last);
-        let (terms, count) = along(&weights, ahead.step, Some(START), |stage| self.slope(stage));
-        system.combine(Register::State, &terms[..count], Part::All);
+        Self::go(system, &weights[..self.stages.len() + 1 + self.further()], ahead.step);
     }
 
     /// Evaluates the stages that are only for the dense output.
@@ -72,15 +72,12 @@ impl<const ERRORS: usize> Embedded<ERRORS> {
         if !self.last_is_first {
             system.copy(Register::State, self.end_vector(), Part::All);
             system.set_time(ahead.end());
-            system.evaluate(Part::All);
-            system.copy(self.slope(last), Register::Rates, Part::All);
+            system.evaluate_to(slope(last), Part::All);
         }
         for (number, (when, far)) in self.dense.further.iter().enumerate() {
-            let (terms, count) = along(far, ahead.step, Some(START), |stage| self.slope(stage));
-            system.combine(Register::State, &terms[..count], Part::All);
+            Self::go(system, far, ahead.step);
             system.set_time(ahead.begin + when * ahead.step);
-            system.evaluate(Part::All);
-            system.copy(self.slope(last + 1 + number), Register::Rates, Part::All);
+            system.evaluate_to(slope(last + 1 + number), Part::All);
         }
     }
 }
@@ -104,15 +101,12 @@ impl<const ERRORS: usize> Scheme for Embedded<ERRORS> {
 
     fn try_step(&self, system: &mut dyn System, time: f64, step: f64) {
         for (number, (when, far)) in self.stages.iter().enumerate() {
-            let (terms, count) = along(far, step, Some(START), slope);
-            system.combine(Register::State, &terms[..count], Part::All);
+            Self::go(system, far, step);
             system.set_time(time + when * step);
-            system.evaluate(Part::All);
-            system.copy(slope(number + 1), Register::Rates, Part::All);
+            system.evaluate_to(slope(number + 1), Part::All);
         }
         if !self.last_is_first {
-            let (terms, count) = along(self.weights, step, Some(START), slope);
-            system.combine(Register::State, &terms[..count], Part::All);
+            Self::go(system, self.weights, step);
         }
     }
 
@@ -120,16 +114,18 @@ impl<const ERRORS: usize> Scheme for Embedded<ERRORS> {
         let mut vectors = [START; ERRORS];
         for (number, weights) in self.errors.iter().enumerate() {
             vectors[number] = self.error_vector(number);
-            let (terms, count) = along(weights, step, None, slope);
-            system.combine(vectors[number], &terms[..count], Part::All);
+            sum(system, vectors[number], slopes(weights, step), false);
         }
         tolerance.excess(system, vectors, self.error, (START, slope(0), step))
     }
 
     fn take(&self, system: &mut dyn System, step: f64) {
-        let (terms, count) = along(self.weights, step, None, slope);
-        system.add(Register::State, &terms[..count], Part::All);
+        sum(system, Register::State, slopes(self.weights, step), true);
     }
+}
+
+fn sum(system: &mut dyn System, to: Register, terms: Terms<'_>, adds: bool) {
+    system.linear(Combination { to, adds, part: Part::All, terms, momenta: Terms::NONE });
 }
 
 /// Makes an integrator of a table, for a type with `tolerance` and `progress`.

@@ -17,6 +17,59 @@ pub enum Register {
 /// A vector with its factor.
 pub type Term = (f64, Register);
 
+/// Vectors that are summed: those of a table's row, then others.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Terms<'a> {
+    /// The number of the first work vector that has a weight.
+    pub first: usize,
+    /// The weights of that one and of those that follow it. Vectors of weight 0 are passed over.
+    pub weights: &'a [f64],
+    /// What each weight is multiplied by: the length of a step, say.
+    pub factor: f64,
+    /// Others, behind them.
+    pub others: &'a [Term],
+}
+
+impl<'a> Terms<'a> {
+    /// Nothing.
+    pub const NONE: Terms<'static> = Terms::of(&[]);
+
+    /// These vectors.
+    pub const fn of(others: &'a [Term]) -> Self {
+        Terms { first: 0, weights: &[], factor: 0.0, others }
+    }
+
+    /// Work vectors from `first` on, by these weights and a factor.
+    pub const fn weighted(first: usize, weights: &'a [f64], factor: f64) -> Self {
+        Terms { first, weights, factor, others: &[] }
+    }
+
+    /// These, and others behind them.
+    pub const fn and(self, others: &'a [Term]) -> Self {
+        Terms { others, ..self }
+    }
+
+    /// How many there are, those of weight 0 too.
+    pub(crate) fn len(&self) -> usize {
+        self.weights.len() + self.others.len()
+    }
+
+    /// Each with its factor.
+    pub(crate) fn each(&self) -> impl Iterator<Item = Term> {
+        let weights = self.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+        let weighted = weights.map(|(number, weight)| (weight * self.factor, Register::Work(self.first + number)));
+        weighted.chain(self.others.iter().copied())
+    }
+
+    /// The first `count`, and the rest.
+    pub(crate) fn split_at(self, count: usize) -> (Self, Self) {
+        let (now, later) = self.weights.split_at(count.min(self.weights.len()));
+        let (also, rest) = self.others.split_at((count - now.len()).min(self.others.len()));
+        let first = Terms { weights: now, others: also, ..self };
+        (first, Terms { first: self.first + now.len(), weights: later, others: rest, ..self })
+    }
+}
+
 /// A sum of vectors, and where it goes.
 #[derive(Clone, Copy, Debug)]
 pub struct Combination<'a> {
@@ -27,10 +80,10 @@ pub struct Combination<'a> {
     /// The part of the state that is meant.
     pub part: Part,
     /// What is summed, in this order. What is written may be among them.
-    pub terms: &'a [Term],
+    pub terms: Terms<'a>,
     /// For coordinates alone: vectors of which the momenta are summed behind the terms, each to the coordinate that it
     /// moves. Only where [`System::coordinates_follow_momenta`].
-    pub momenta: &'a [Term],
+    pub momenta: Terms<'a>,
 }
 
 /// Which laws give rates, where some are not evaluated on every step.
@@ -149,11 +202,22 @@ pub trait System: Linearised {
 
     /// `to = a x + b y + ...`, for this part.
     fn combine(&mut self, to: Register, terms: &[Term], part: Part) {
-        self.linear(Combination { to, adds: false, part, terms, momenta: &[] });
+        self.linear(Combination { to, adds: false, part, terms: Terms::of(terms), momenta: Terms::NONE });
     }
     /// `to += a x + b y + ...`, for this part.
     fn add(&mut self, to: Register, terms: &[Term], part: Part) {
-        self.linear(Combination { to, adds: true, part, terms, momenta: &[] });
+        self.linear(Combination { to, adds: true, part, terms: Terms::of(terms), momenta: Terms::NONE });
+    }
+    /// Evaluates, and leaves the rates of this part in `to`; what [`Register::Rates`] holds then is anybody's guess.
+    fn evaluate_to(&mut self, to: Register, part: Part) {
+        self.evaluate(part);
+        self.copy(to, Register::Rates, part);
+    }
+    /// `to = a x + b y + ...` for the coordinates, of the momenta of the vectors; or the same with `+=`. Only where
+    /// [`System::coordinates_follow_momenta`].
+    fn follow(&mut self, to: Register, momenta: &[Term], adds: bool) {
+        let momenta = Terms::of(momenta);
+        self.linear(Combination { to, adds, part: Part::Coordinates, terms: Terms::NONE, momenta });
     }
     /// `to += a x`, for this part.
     fn axpy(&mut self, to: Register, a: f64, x: Register, part: Part) {

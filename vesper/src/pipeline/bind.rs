@@ -75,6 +75,8 @@ impl<P: Scalar> Transfer<P> {
 /// What is asked, ready to run.
 pub(crate) struct Program<P: Scalar> {
     pub(crate) passes: Vec<BoundPass<P>>,
+    /// Whether rates can go to another vector than their own: laws write all of them in place.
+    pub(crate) moves_rates: bool,
 }
 
 /// A pass, and on which steps it runs.
@@ -173,7 +175,13 @@ pub(crate) fn program<P: Scalar>(
     machine: &Machine,
 ) -> Program<P> {
     let binder = Binder { plan: &plan, laws, chains, pipeline, state, machine };
-    Program { passes: plan.passes.iter().filter_map(|pass| binder.pass(pass)).collect() }
+    let rates = |pass: &Vec<Placed>| {
+        pass.iter().flat_map(|op| &op.operands).filter(|operand| matches!(operand, Operand::Rate(..))).count()
+    };
+    let passes: Vec<BoundPass<P>> = plan.passes.iter().filter_map(|pass| binder.pass(pass)).collect();
+    let moves = passes.iter().map(|pass| if let Pass::Group(group) = &pass.pass { group.rates.len() } else { 0 });
+    let moves_rates = moves.sum::<usize>() == plan.passes.iter().map(rates).sum();
+    Program { passes, moves_rates }
 }
 
 pub(super) struct Binder<'a, P: Scalar> {
@@ -232,7 +240,7 @@ impl<P: Scalar> Binder<'_, P> {
             }
             Op::Law { seat, energy, .. } => match &self.laws[self.pipeline.registry.seats[seat].law].compiled.kernel {
                 Kernel::Row(_) => Pass::Group(self.group(ops)?),
-                Kernel::Pair(_) => Pass::Pair(self.pair(first)?),
+                Kernel::Pair(kernel) => Pass::Pair(self.pair(first, kernel)?),
                 Kernel::Link(kernel) => Pass::Link(self.link(first, energy, kernel.arity(), kernel.outputs())?),
                 Kernel::Column(_) if energy => return None,
                 Kernel::Column(_) => Pass::Column(self.column(first)?),

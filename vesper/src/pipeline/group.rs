@@ -77,6 +77,8 @@ struct Desk<P: Scalar> {
     starts: Vec<*mut P>,
     /// Where each slot is in the block at hand.
     pointers: Vec<*mut P>,
+    /// How many numbers behind their own place those of rates are.
+    rates: usize,
     /// Whether `pointers` are those of the only block.
     ready: bool,
 }
@@ -89,6 +91,8 @@ pub(crate) struct Group<P: Scalar> {
     pub(crate) fused: bool,
     /// By slot: all ones where it moves on from block to block, or zero.
     moves: Vec<usize>,
+    /// The slots of rates that are written in place.
+    pub(super) rates: Vec<usize>,
     /// Where the columns begin that are read or written in place.
     columns: Vec<*mut P>,
     ops: Vec<BlockOp<P>>,
@@ -109,11 +113,12 @@ impl<P: Scalar> Group<P> {
     /// # Safety
     /// The state has the layout that the group was tied to, and nobody else touches it.
     pub(crate) unsafe fn run(&mut self, context: &Context<'_, P>) -> f64 {
-        let Group { rows, block, moves, columns, ops, transfers, desks, .. } = self;
-        let body = Body { rows: *rows, block: *block, moves, columns, ops, transfers, context };
+        let Group { rows, block, moves, rates, columns, ops, transfers, desks, .. } = self;
+        let body = Body { rows: *rows, block: *block, moves, rates, columns, ops, transfers, context };
         if let [desk] = desks.as_mut_slice() {
             // One block that has been here before, with all in place: with few rows the rest would take longer than the laws.
             if desk.ready && transfers.is_empty() {
+                body.move_rates(desk);
                 let ahead = [desk.scratch.pointer().cast_const(); AHEAD];
                 // SAFETY: passed on to the caller; the pointers are those of the only block.
                 return ops.iter().map(|op| unsafe { body.op(op, 0..*rows, &desk.pointers, ahead) }).sum();
@@ -144,6 +149,7 @@ struct Body<'a, P: Scalar> {
     rows: usize,
     block: usize,
     moves: &'a [usize],
+    rates: &'a [usize],
     columns: &'a [*mut P],
     ops: &'a [BlockOp<P>],
     transfers: &'a [Transfer<P>],
@@ -165,6 +171,7 @@ impl<P: Scalar> Body<'_, P> {
                 self.point(first, desk);
                 desk.ready = self.rows <= self.block;
             }
+            self.move_rates(desk);
             let scratch = |at: usize| desk.scratch.pointer().wrapping_add(at * self.block);
             for transfer in self.transfers {
                 // SAFETY: the rows exist, and a scratch holds a block.
@@ -195,6 +202,20 @@ impl<P: Scalar> Body<'_, P> {
     fn point(&self, first: usize, desk: &mut Desk<P>) {
         for ((pointer, start), moves) in desk.pointers.iter_mut().zip(&desk.starts).zip(self.moves) {
             *pointer = start.wrapping_add(first & moves);
+        }
+        desk.rates = 0;
+    }
+
+    /// Lets rates go where they are wanted.
+    #[inline(always)]
+    fn move_rates(&self, desk: &mut Desk<P>) {
+        let wanted = self.context.rates;
+        if desk.rates != wanted {
+            for slot in self.rates {
+                let pointer = &mut desk.pointers[*slot];
+                *pointer = pointer.wrapping_sub(desk.rates).wrapping_add(wanted);
+            }
+            desk.rates = wanted;
         }
     }
 

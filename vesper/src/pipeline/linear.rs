@@ -1,17 +1,11 @@
-//! Sums of vectors, in lanes: what integrators are written in.
+//! Sums of vectors: what integrators are written in. In: registers. Out: arrays of numbers that are summed. Never: a sum.
 
+use super::sum::{Row, Sources, Sum, TERMS};
 use super::vectors::{Component, Vectors};
-use crate::integrate::{Combination, Register, Term};
+use crate::integrate::{Combination, Register, Terms};
 use crate::law::Part;
-use crate::real::{Isa, Lanes, Scalar, WithLanes};
-use core::mem::MaybeUninit;
+use crate::real::{Isa, Scalar};
 use core::ops::Range;
-
-/// Terms that are summed in one pass; more are added in further ones.
-const TERMS: usize = 24;
-
-/// Numbers that are summed in f64 side by side.
-const WIDE: usize = 8;
 
 impl<P: Scalar> Vectors<P> {
     /// Sums vectors.
@@ -19,37 +13,54 @@ impl<P: Scalar> Vectors<P> {
     /// # Safety
     /// The state that the vectors were laid out for is held, and `lent` are the addresses of its lent memory.
     pub(crate) unsafe fn linear(&self, combination: &Combination<'_>, lent: &[*mut P], isa: Isa) {
-        let Combination { to, mut adds, part, mut terms, mut momenta } = *combination;
+        let Combination { part, terms, momenta, .. } = *combination;
         // Anyone may write an integrator: one that asks for what is not there gets a panic, and never other memory.
-        let paired = momenta.is_empty() || part == Part::Coordinates && self.momentum_behind.is_some();
+        let paired = momenta.len() == 0 || part == Part::Coordinates && self.momentum_behind.is_some();
         assert!(paired, "momenta are summed to the coordinates they move, where coordinates_follow_momenta");
-        if let ([(1.0, from)], [], false, Some(span)) = (terms, momenta, adds, self.span(part)) {
-            // SAFETY: passed on to the caller.
-            return unsafe { self.copy((to, *from), (part, span), lent) };
-        }
-        loop {
-            let (now, later) = momenta.split_at(momenta.len().min(TERMS));
-            let (also, rest) = terms.split_at(terms.len().min(TERMS - now.len()));
-            let some = Combination { to, adds, part, terms: also, momenta: now };
-            // SAFETY: passed on to the caller.
-            unsafe {
-                match (self.span(part), self.image()) {
-                    (Some(span), Some(image)) => self.in_one(&some, (span, image), lent, isa),
-                    _ => self.by_component(&some, lent, isa),
-                }
+        // SAFETY: passed on to the caller.
+        unsafe {
+            if momenta.len() + terms.len() > TERMS || !(momenta.weights.is_empty() || terms.weights.is_empty()) {
+                return self.in_turns(combination, lent, isa);
             }
-            (terms, momenta, adds) = (rest, later, true);
-            if terms.is_empty() && momenta.is_empty() {
-                return;
+            match (self.span(part), self.vector(Register::State), self.image()) {
+                (Some(span), Some(_), _) => self.in_one(combination, span, isa),
+                (Some(span), None, Some(image)) => self.by_image(combination, (span, image), lent, isa),
+                _ => self.by_component(combination, lent, isa),
             }
         }
     }
 
-    /// A small state, or a part of it, in the place of another vector's.
+    /// More terms than are summed in one pass, or two rows of weights.
     ///
     /// # Safety
     /// As for [`Vectors::linear`].
-    unsafe fn copy(&self, (to, from): (Register, Register), (part, span): (Part, Range<usize>), lent: &[*mut P]) {
+    #[cold]
+    unsafe fn in_turns(&self, combination: &Combination<'_>, lent: &[*mut P], isa: Isa) {
+        let (momenta, momenta_left) = combination.momenta.split_at(TERMS);
+        let room = if momenta.weights.is_empty() { TERMS - momenta.len() } else { 0 };
+        let (terms, terms_left) = combination.terms.split_at(room);
+        // SAFETY: passed on to the caller.
+        unsafe {
+            self.linear(&Combination { terms, momenta, ..*combination }, lent, isa);
+            self.linear(
+                &Combination { adds: true, terms: terms_left, momenta: momenta_left, ..*combination },
+                lent,
+                isa,
+            );
+        }
+    }
+
+    /// A vector, or a part of it, in the place of another one.
+    ///
+    /// # Safety
+    /// As for [`Vectors::linear`].
+    pub(crate) unsafe fn copy(&self, (to, from): (Register, Register), part: Part, lent: &[*mut P], isa: Isa) {
+        let Some(span) = self.span(part) else {
+            let whole = [(1.0, from)];
+            let copy = Combination { to, adds: false, part, terms: Terms::of(&whole), momenta: Terms::NONE };
+            // SAFETY: passed on to the caller.
+            return unsafe { self.by_component(&copy, lent, isa) };
+        };
         // SAFETY: all vectors have a place for every number of the state; passed on to the caller.
         unsafe {
             match (self.vector(to), self.vector(from)) {
@@ -63,12 +74,12 @@ impl<P: Scalar> Vectors<P> {
         }
     }
 
-    /// A small state: one sum over all components, with an image of the state beside the other vectors where it does not
-    /// stand as they do.
+    /// A small state that does not stand as the other vectors do: the same with an image of it that does.
     ///
     /// # Safety
     /// As for [`Vectors::linear`].
-    unsafe fn in_one(
+    #[inline(never)]
+    unsafe fn by_image(
         &self,
         combination: &Combination<'_>,
         (span, image): (Range<usize>, *mut P),
@@ -76,46 +87,47 @@ impl<P: Scalar> Vectors<P> {
         isa: Isa,
     ) {
         let Combination { to, adds, part, terms, momenta } = *combination;
-        // Where the state stands as a vector does, it needs no image.
-        let apart = self.vector(Register::State).is_none();
-        let looks_at_state = |terms: &[Term]| apart && terms.iter().any(|(_, from)| *from == Register::State);
+        let looks_at_state = |terms: Terms<'_>| terms.others.iter().any(|(_, from)| *from == Register::State);
         // SAFETY: the image has a place for every number of the state; passed on to the caller.
         unsafe {
-            if apart && adds && to == Register::State || looks_at_state(terms) {
+            if adds && to == Register::State || looks_at_state(terms) {
                 self.each_component(part, lent, image, |state, image| *image = *state);
             }
             if looks_at_state(momenta) {
                 self.each_component(Part::Momenta, lent, image, |state, image| *image = *state);
             }
+            self.in_one(combination, span, isa);
+            if to == Register::State {
+                self.each_component(part, lent, image, |state, image| *state = *image);
+            }
         }
-        let start = |register| self.start(register).wrapping_add(span.start);
-        let behind = self.momentum_behind.unwrap_or(0);
-        // Not filled with anything first: that took as long as three terms.
-        let mut places = [const { MaybeUninit::uninit() }; TERMS];
-        let (of_momenta, rest) = places.split_at_mut(momenta.len());
-        let (own, _) = rest.split_at_mut(terms.len());
-        for (place, (factor, from)) in of_momenta.iter_mut().zip(momenta) {
-            place.write((*factor, start(*from).wrapping_add(behind).cast_const()));
-        }
-        for (place, (factor, from)) in own.iter_mut().zip(terms) {
-            place.write((*factor, start(*from).cast_const()));
-        }
-        // SAFETY: so many are written.
-        let sources = unsafe { places[..momenta.len() + terms.len()].assume_init_ref() };
+    }
+
+    /// A small state: one sum over all components.
+    ///
+    /// # Safety
+    /// As for [`Vectors::linear`]; the state stands as the other vectors do, or its image is what is meant.
+    #[inline]
+    unsafe fn in_one(&self, combination: &Combination<'_>, span: Range<usize>, isa: Isa) {
+        let Combination { to, adds, terms, momenta, .. } = *combination;
+        let at_momenta = span.start + self.momentum_behind.unwrap_or(0);
+        let (weighed, at) = if momenta.weights.is_empty() { (terms, span.start) } else { (momenta, at_momenta) };
+        let starts = self.work_from(weighed.first, weighed.weights.len());
+        let row = Row { weights: weighed.weights, starts, at, factor: weighed.factor };
+        let mut sources = Sources::new();
+        sources.take(momenta.others.iter().map(|(factor, from)| (*factor, self.start(*from).wrapping_add(at_momenta))));
+        sources.take(terms.others.iter().map(|(factor, from)| (*factor, self.start(*from).wrapping_add(span.start))));
         let errors = if to == Register::State && adds { self.carry() } else { None };
         let sum = Sum {
-            to: start(to),
+            to: self.start(to).wrapping_add(span.start),
             errors: errors.map_or(core::ptr::null_mut(), |errors| errors.wrapping_add(span.start)),
             adds,
             wide: self.sums_in_f64(),
             count: span.len(),
-            sources,
+            row,
+            sources: sources.as_slice(),
         };
         P::with_lanes(isa, sum);
-        if apart && to == Register::State {
-            // SAFETY: as above.
-            unsafe { self.each_component(part, lent, image, |state, image| *state = *image) };
-        }
     }
 
     /// Whether f64 has more digits than the state, and they are wanted: where rounding errors are kept. A step, or a
@@ -148,32 +160,33 @@ impl<P: Scalar> Vectors<P> {
         let Combination { to, adds, part, terms, momenta } = *combination;
         let errors = if to == Register::State && adds { self.carry() } else { None };
         let behind = self.momentum_behind.unwrap_or(0);
-        let count = momenta.len() + terms.len();
         for (_, state) in self.part(part) {
             for (number, component) in state.components.iter().enumerate() {
                 let mut sources = [(0.0, core::ptr::null::<P>()); TERMS];
                 let mut strides = [1; TERMS];
-                let moving = momenta.iter().map(|(factor, from)| match self.vector(*from) {
-                    Some(start) => (*factor, start.wrapping_add(component.at + behind), 1),
+                let moving = momenta.each().map(|(factor, from)| match self.vector(from) {
+                    Some(start) => (factor, start.wrapping_add(component.at + behind), 1),
                     None => {
                         let (start, stride) = self.momentum(component.at + behind, number, lent);
-                        (*factor, start, stride)
+                        (factor, start, stride)
                     }
                 });
-                let own = terms.iter().map(|(factor, from)| {
-                    let (start, stride) = self.place(*from, component, lent);
-                    (*factor, start, stride)
+                let own = terms.each().map(|(factor, from)| {
+                    let (start, stride) = self.place(from, component, lent);
+                    (factor, start, stride)
                 });
                 let (start, stride) = self.place(to, component, lent);
-                let mut even = stride == 1;
-                for (index, (factor, from, stride)) in moving.chain(own).enumerate() {
-                    sources[index] = (factor, from.cast_const());
-                    strides[index] = stride;
+                let (mut even, mut count) = (stride == 1, 0);
+                for (factor, from, stride) in moving.chain(own) {
+                    sources[count] = (factor, from.cast_const());
+                    strides[count] = stride;
                     even &= stride == 1;
+                    count += 1;
                 }
                 let errors = errors.map_or(core::ptr::null_mut(), |errors| errors.wrapping_add(component.at));
                 let wide = self.sums_in_f64();
-                let sum = Sum { to: start, errors, adds, wide, count: state.len, sources: &sources[..count] };
+                let (row, sources) = (Row::NONE, &sources[..count]);
+                let sum = Sum { to: start, errors, adds, wide, count: state.len, row, sources };
                 if even {
                     P::with_lanes(isa, sum);
                 } else {
@@ -212,156 +225,5 @@ impl<P: Scalar> Vectors<P> {
                 (0..state.len).all(|row| unsafe { *rates.add(row) == *momenta.add(row * stride) })
             })
         })
-    }
-}
-
-/// A sum of arrays of `count` numbers.
-struct Sum<'a, P> {
-    to: *mut P,
-    /// The rounding errors of what is added to, or null.
-    errors: *mut P,
-    adds: bool,
-    /// Whether it is summed in f64, of numbers that are none.
-    wide: bool,
-    count: usize,
-    sources: &'a [(f64, *const P)],
-}
-
-impl<P: Scalar> Sum<'_, P> {
-    /// The lanes that begin at these numbers. All are read before any is written, so that they may overlap. Plain loops over
-    /// the sets: with closures and iterators the sums were kept in memory, and some operations became calls.
-    ///
-    /// # Safety
-    /// All pointers are to `count` numbers, which nobody else touches, and the lanes are within them.
-    #[inline(always)]
-    unsafe fn lanes<R: Lanes<P>, const SETS: usize>(&self, starts: [usize; SETS]) {
-        // SAFETY: the caller promises the lanes.
-        unsafe {
-            let mut sums = [R::lit(0.0); SETS];
-            if let Some(((factor, from), rest)) = self.sources.split_first() {
-                let factor = R::splat(P::from_f64(*factor));
-                for set in 0..SETS {
-                    sums[set] = R::load(from.add(starts[set])) * factor;
-                }
-                for (factor, from) in rest {
-                    let factor = R::splat(P::from_f64(*factor));
-                    for set in 0..SETS {
-                        sums[set] += R::load(from.add(starts[set])) * factor;
-                    }
-                }
-            }
-            if self.adds {
-                let mut before = [R::lit(0.0); SETS];
-                for set in 0..SETS {
-                    before[set] = R::load(self.to.add(starts[set]));
-                }
-                if self.errors.is_null() {
-                    for set in 0..SETS {
-                        sums[set] += before[set];
-                    }
-                } else {
-                    let mut errors = [R::lit(0.0); SETS];
-                    for set in 0..SETS {
-                        errors[set] = R::load(self.errors.add(starts[set]));
-                    }
-                    for set in 0..SETS {
-                        let (before, sum) = (before[set], sums[set] - errors[set]);
-                        let after = before + sum;
-                        // Knuth's sum: exact whichever of the two is the larger.
-                        let change = after - before;
-                        let lost = ((after - change) - before) + (change - sum);
-                        lost.store(self.errors.add(starts[set]));
-                        sums[set] = after;
-                    }
-                }
-            }
-            for set in 0..SETS {
-                sums[set].store(self.to.add(starts[set]));
-            }
-        }
-    }
-
-    /// Numbers from this one on, summed in f64. What is added to the state has there what f32 left out, as far as another f32
-    /// holds it: the state has 48 bits.
-    ///
-    /// # Safety
-    /// All pointers are to `count` numbers, which nobody else touches, and these are among them.
-    #[inline(always)]
-    unsafe fn in_f64<const COUNT: usize>(&self, at: usize) {
-        let mut sums = [0.0; COUNT];
-        // SAFETY: the caller promises the numbers.
-        unsafe {
-            for (factor, from) in self.sources {
-                for (number, sum) in sums.iter_mut().enumerate() {
-                    *sum += factor * (*from.add(at + number)).to_f64();
-                }
-            }
-            for (number, sum) in sums.into_iter().enumerate() {
-                let (to, errors) = (self.to.add(at + number), self.errors.wrapping_add(at + number));
-                let keeps = self.adds && !self.errors.is_null();
-                let error = if keeps { (*errors).to_f64() } else { 0.0 };
-                let exact = if self.adds { (*to).to_f64() + (sum - error) } else { sum };
-                *to = P::from_f64(exact);
-                if keeps {
-                    *errors = P::from_f64((*to).to_f64() - exact);
-                }
-            }
-        }
-    }
-
-    /// One number at a time, at their own distances.
-    ///
-    /// # Safety
-    /// All pointers are to `count` numbers, so far apart, which nobody else touches.
-    unsafe fn strided(&self, stride: usize, strides: &[usize]) {
-        for row in 0..self.count {
-            let mut sources = [(0.0, core::ptr::null::<P>()); TERMS];
-            for ((source, (factor, from)), stride) in sources.iter_mut().zip(self.sources).zip(strides) {
-                *source = (*factor, from.wrapping_add(row * stride));
-            }
-            let errors = if self.errors.is_null() { self.errors } else { self.errors.wrapping_add(row) };
-            let to = self.to.wrapping_add(row * stride);
-            let sources = &sources[..self.sources.len()];
-            let one = Sum { to, errors, count: 1, sources, ..*self };
-            // SAFETY: passed on to the caller.
-            unsafe { if one.wide { one.in_f64::<1>(0) } else { one.lanes::<P, 1>([0]) } };
-        }
-    }
-}
-
-impl<P: Scalar> WithLanes<P> for Sum<'_, P> {
-    type Output = ();
-    #[inline(always)]
-    fn with<R: Lanes<P>>(self) {
-        let count = self.count;
-        let width = R::WIDTH;
-        let mut at = 0;
-        // SAFETY: whoever makes a sum has pointers to that many numbers, and the runner holds the state; the last lanes end
-        // with the last number, and overlap those before them.
-        unsafe {
-            if self.wide {
-                while at + WIDE <= count {
-                    self.in_f64::<WIDE>(at);
-                    at += WIDE;
-                }
-                return (at..count).for_each(|number| self.in_f64::<1>(number));
-            }
-            if count < width {
-                return (0..count).for_each(|number| self.lanes::<P, 1>([number]));
-            }
-            // So that what is left for the last lanes is never less than one set of them.
-            while at + 5 * width <= count {
-                self.lanes::<R, 4>([at, at + width, at + 2 * width, at + 3 * width]);
-                at += 4 * width;
-            }
-            let last = count - width;
-            match (count - at).div_ceil(width) {
-                1 => self.lanes::<R, 1>([last]),
-                2 => self.lanes::<R, 2>([at, last]),
-                3 => self.lanes::<R, 3>([at, at + width, last]),
-                4 => self.lanes::<R, 4>([at, at + width, at + 2 * width, last]),
-                _ => self.lanes::<R, 5>([at, at + width, at + 2 * width, at + 3 * width, last]),
-            }
-        }
     }
 }

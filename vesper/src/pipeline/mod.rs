@@ -24,6 +24,7 @@ mod prune;
 mod quantities;
 mod rotation;
 mod run;
+mod sum;
 mod switches;
 mod tangent;
 mod turning;

@@ -51,7 +51,6 @@ fn add_scaled<P: Scalar>(parts: &[(Located<P>, *mut P)], step: Option<P>, contex
 const PAIR_GRAIN: usize = 64;
 
 fn run_pair<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 {
-    let Kernel::Pair(kernel) = &context.laws[pass.law].compiled.kernel else { return 0.0 };
     for transfer in &pass.transfers {
         // SAFETY: packed arrays have a number for every row.
         unsafe { transfer.load(context.lent, 0..pass.rows, pass.packed[transfer.scratch].pointer()) };
@@ -65,16 +64,18 @@ fn run_pair<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 
     };
     if pass.energy {
         // SAFETY: the slots have a number for every row.
-        return unsafe { kernel.energy(&call(0..pass.rows)) }.unwrap_or_default();
+        return unsafe { pass.kernel.energy(&call(0..pass.rows)) }.unwrap_or_default();
     }
     context.timed(pass.law, || {
         in_parts(context, pass.threads, pass.rows, PAIR_GRAIN, |rows| {
             // SAFETY: as above; parts sum for different rows.
-            unsafe { kernel.run(context.isa, &call(rows)) };
+            unsafe { pass.kernel.run(context.isa, &call(rows)) };
         });
     });
-    let first = first_result(context, pass.law);
-    context.watch(pass.law, || pass.slots[first..].iter().map(|start| (*start, 1, pass.rows)));
+    context.watch(pass.law, || {
+        let first = first_result(context, pass.law);
+        pass.slots[first..].iter().map(|start| (*start, 1, pass.rows))
+    });
     for transfer in pass.transfers.iter().filter(|transfer| transfer.save) {
         // SAFETY: as above.
         unsafe { transfer.store(context.lent, 0..pass.rows, pass.packed[transfer.scratch].pointer()) };
@@ -132,8 +133,8 @@ fn run_link<P: Scalar>(pass: &mut LinkPass<P>, context: &Context<'_, P>) -> f64 
             }
         });
     });
-    let first = first_result(context, pass.law);
     context.watch(pass.law, || {
+        let first = first_result(context, pass.law);
         let rows = ends.iter().max().map_or(0, |row| *row as usize + 1);
         pass.resolved[first..].iter().map(move |slot| (slot.start, slot.stride, rows))
     });

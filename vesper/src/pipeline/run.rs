@@ -24,6 +24,8 @@ pub(crate) struct Context<'a, P: Scalar> {
     pub(crate) machine: &'a Machine,
     pub(crate) time: P,
     pub(crate) steps: [P; 2],
+    /// How many numbers behind their own place rates go.
+    pub(crate) rates: usize,
     /// What is done about switches and regions.
     pub(crate) phase: Phase,
     /// Notes the first law with a result that is not finite.
@@ -95,6 +97,7 @@ struct Shared<T>(T);
 unsafe impl<T> Sync for Shared<T> {}
 
 /// Calls `work` with the parts of `0..count`, on as many threads; parts begin at multiples of `grain`.
+#[inline]
 pub(super) fn in_parts<P: Scalar>(
     context: &Context<'_, P>,
     threads: usize,
@@ -102,10 +105,10 @@ pub(super) fn in_parts<P: Scalar>(
     grain: usize,
     work: impl Fn(core::ops::Range<usize>),
 ) {
-    let parts = count.div_ceil(grain);
-    if threads <= 1 || parts <= 1 {
+    if threads <= 1 || count <= grain {
         return work(0..count);
     }
+    let parts = count.div_ceil(grain);
     // More parts than threads, so that a thread that is late does not hold up the others. No sum crosses a part, so
     // that any number of threads gives the same bits.
     let mut ranges = [const { 0..0 }; 256];
@@ -163,6 +166,7 @@ impl<'a, P: Scalar> Runner<'a, P> {
             machine,
             time: P::from_f64(time),
             steps: [P::default(); 2],
+            rates: 0,
             phase: Phase::Free,
             watch: None,
         };
@@ -247,6 +251,17 @@ impl<P: Scalar> System for Runner<'_, P> {
         self.run(Key::Evaluate(part));
     }
 
+    fn evaluate_to(&mut self, to: Register, part: Part) {
+        let Pipeline { programs, vectors, .. } = &*self.pipeline;
+        if !programs[Key::Evaluate(part).index()].moves_rates || !matches!(to, Register::Work(_)) {
+            self.evaluate(part);
+            return self.copy(to, Register::Rates, part);
+        }
+        self.context.rates = vectors.behind_rates(to);
+        self.evaluate(part);
+        self.context.rates = 0;
+    }
+
     fn advance(&mut self, stages: &[(Part, f64)]) {
         if self.pipeline.vectors.compensated {
             // Rounding errors are kept by sums, not by the laws' loops.
@@ -279,6 +294,11 @@ impl<P: Scalar> System for Runner<'_, P> {
     fn linear(&mut self, combination: Combination<'_>) {
         // SAFETY: `Runner` is only made for a state with the layout that the vectors were made for, held exclusively.
         unsafe { self.pipeline.vectors.linear(&combination, self.context.lent, self.context.isa) };
+    }
+
+    fn copy(&mut self, to: Register, from: Register, part: Part) {
+        // SAFETY: as above.
+        unsafe { self.pipeline.vectors.copy((to, from), part, self.context.lent, self.context.isa) };
     }
 
     fn magnitudes(&mut self, of: &[Register], part: Part, each: &mut dyn FnMut(usize, &[f64])) {

@@ -125,7 +125,7 @@ impl<P: Scalar> Vectors<P> {
         let held = held(pipeline, state);
         let filled = vec![false; held.len()];
         let momentum_behind = paired(&states, pipeline).then_some(ends[0]);
-        let registers: Vec<Aligned<P>> = (0..count).map(|stream| Aligned::zeros(at, stream + 7)).collect();
+        let registers = in_one_block(count, if gaps { staggered::<P>(at) } else { at });
         let one = as_one(&states).filter(|_| !gaps);
         let image = registers.last().filter(|_| !gaps).map_or(core::ptr::null_mut(), Aligned::pointer);
         let own = registers[..1 + work].iter().map(Aligned::pointer);
@@ -175,8 +175,24 @@ impl<P: Scalar> Vectors<P> {
             Register::Rates => 1,
             Register::Work(number) => number.saturating_add(2),
         };
-        let start = self.starts.get(number);
-        *start.unwrap_or_else(|| panic!("an integrator uses as many vectors as its work_vectors says: {}", self.work))
+        *self.starts.get(number).unwrap_or_else(|| self.too_many())
+    }
+
+    /// Where the integrator's own vectors begin, so many from `first` on.
+    #[inline]
+    pub(super) fn work_from(&self, first: usize, count: usize) -> &[*mut P] {
+        let from = first.saturating_add(2);
+        self.starts.get(from..from.saturating_add(count)).unwrap_or_else(|| self.too_many())
+    }
+
+    #[cold]
+    fn too_many<T>(&self) -> T {
+        panic!("an integrator uses as many vectors as its work_vectors says: {}", self.work)
+    }
+
+    /// How many numbers behind the rates one of the integrator's vectors begins.
+    pub(crate) fn behind_rates(&self, register: Register) -> usize {
+        (self.start(register).addr().wrapping_sub(self.start(Register::Rates).addr())) / size_of::<P>()
     }
 
     /// Numbers of a vector, with gaps.
@@ -239,6 +255,14 @@ impl<P: Scalar> Vectors<P> {
             errors.as_mut_slice().fill(P::default());
         }
     }
+}
+
+/// Zeros for so many vectors, one behind the other, so that what laws write to the place of one can go to that of another.
+fn in_one_block<P: Scalar>(count: usize, len: usize) -> Vec<Aligned<P>> {
+    let mut registers: Vec<Aligned<P>> = (0..count).map(|_| Aligned::zeros(len, 0)).collect();
+    let mut block = Block::new(count * len);
+    registers.iter_mut().for_each(|register| block.take_in(register));
+    registers
 }
 
 /// Moves the columns of a small state together, in the order of a vector: then sums go over the state itself, without an

@@ -1,14 +1,17 @@
 //! Ties a pair law to a state. In: the operation, and where columns are. Out: a [`PairPass`]. Never runs anything.
 
 use super::{Base, Binder, PARALLEL_PAIRS, Transfer, defaults, threads};
+use crate::backend::PairKernel;
 use crate::column::Aligned;
 use crate::pipeline::operand::Operand;
 use crate::pipeline::plan::{Op, Placed};
 use crate::real::Scalar;
+use std::sync::Arc;
 
 /// A pair law over the rows of its seat.
 pub(crate) struct PairPass<P: Scalar> {
     pub(crate) law: usize,
+    pub(crate) kernel: Arc<dyn PairKernel<P>>,
     pub(crate) rows: usize,
     pub(crate) slots: Vec<*mut P>,
     pub(crate) transfers: Vec<Transfer<P>>,
@@ -23,7 +26,7 @@ pub(crate) struct PairPass<P: Scalar> {
 
 impl<P: Scalar> Binder<'_, P> {
     /// Ties a pair law to the columns of its rows; what is not in one piece there is packed.
-    pub(super) fn pair(&self, op: &Placed) -> Option<PairPass<P>> {
+    pub(super) fn pair(&self, op: &Placed, kernel: &Arc<dyn PairKernel<P>>) -> Option<PairPass<P>> {
         let Op::Law { seat, energy, first, .. } = op.op else { return None };
         let law = self.pipeline.registry.seats[seat].law;
         let rows = op.rows.as_ref().map_or(self.state.domains[op.domain].rows, Vec::len);
@@ -33,6 +36,7 @@ impl<P: Scalar> Binder<'_, P> {
         let defaults = defaults::<P>(&op.operands);
         let mut pass = PairPass {
             law,
+            kernel: kernel.clone(),
             rows,
             slots: Vec::new(),
             transfers: Vec::new(),

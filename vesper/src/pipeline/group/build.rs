@@ -20,6 +20,7 @@ pub(in crate::pipeline) struct GroupBuilder<'a, P: Scalar> {
     row_list: Option<&'a [u32]>,
     pub(in crate::pipeline) rows: usize,
     slots: Vec<Slot<P>>,
+    rates: Vec<usize>,
     ops: Vec<BlockOp<P>>,
     transfers: Vec<Transfer<P>>,
     /// Scratches by what they hold.
@@ -35,6 +36,7 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
             row_list: first.rows.as_deref(),
             rows: first.rows.as_ref().map_or(binder.state.domains[first.domain].rows, Vec::len),
             slots: Vec::new(),
+            rates: Vec::new(),
             ops: Vec::new(),
             transfers: Vec::new(),
             scratches: Vec::new(),
@@ -82,7 +84,7 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
                     Slot::Scratch(at) => scratch.pointer().wrapping_add(at * block),
                 };
                 let starts: Vec<_> = self.slots.iter().map(start).collect();
-                Desk { scratch, pointers: starts.clone(), starts, ready: false }
+                Desk { scratch, pointers: starts.clone(), rates: 0, starts, ready: false }
             })
             .collect();
         Group {
@@ -91,6 +93,7 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
             columns,
             fused,
             moves: self.slots.iter().map(|slot| if matches!(slot, Slot::Moving(_)) { usize::MAX } else { 0 }).collect(),
+            rates: self.rates,
             ops: self.ops,
             transfers: self.transfers,
             desks,
@@ -150,6 +153,9 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
         let from = self.slots.len();
         for (operand, writes) in op.operands.iter().zip(&op.writes) {
             let slot = self.slot(*operand, *writes);
+            if matches!((operand, &slot), (Operand::Rate(..), Slot::Moving(_))) {
+                self.rates.push(self.slots.len());
+            }
             self.slots.push(slot);
         }
         from..self.slots.len()

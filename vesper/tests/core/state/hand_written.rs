@@ -125,8 +125,8 @@ fn an_integrator_that_asks_for_what_is_not_there_gets_a_panic_and_no_memory() {
         ),
         (
             |system| {
-                let (to, momenta) = (Register::Work(0), &[(1.0, Register::Rates)][..]);
-                system.linear(Combination { to, adds: false, part: Part::All, terms: &[], momenta });
+                let (to, momenta) = (Register::Work(0), Terms::of(&[(1.0, Register::Rates)]));
+                system.linear(Combination { to, adds: false, part: Part::All, terms: Terms::NONE, momenta });
             },
             "momenta are summed to the coordinates",
         ),
