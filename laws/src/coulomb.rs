@@ -11,7 +11,7 @@ use vesper::prelude::*;
 /// no magnetic part, no retardation, no radiation. Opposite charges without softening are singular where they meet.
 /// In f32 distances lie between 3e-13 m and 7e12 m, for their cubes.
 #[derive(Law, Clone, Copy, Debug)]
-#[law(reads(position: Position, charge: Charge), adds(force: Force))]
+#[law(reads(position: Position, charge: Charge), adds(force: Force), translation_invariant)]
 pub struct Coulomb<R = f64> {
     /// Coulomb's constant.
     #[law(unit = "N m^2/C^2", default = 8.987_551_786_2e9)]

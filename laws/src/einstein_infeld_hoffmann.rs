@@ -18,7 +18,8 @@ use vesper::prelude::*;
     reads(position: Position, velocity: Velocity, parameter: StandardGravitationalParameter),
     reads(potential: GravitationalPotential, newtonian: NewtonianAcceleration),
     scene(speed_of_light: SpeedOfLight = 299_792_458.0),
-    adds(acceleration: Acceleration)
+    adds(acceleration: Acceleration),
+    translation_invariant
 )]
 pub struct EinsteinInfeldHoffmann;
 

@@ -13,7 +13,7 @@ use vesper::prelude::*;
 /// product G m_i m_j comes first and must stay below 3e38 N m^2: that of Sun and Earth is 8e44 N m^2, so take
 /// `gravity_by_parameter`, or other units. Distances lie between 3e-13 m and 7e12 m, for their cubes.
 #[derive(Law, Clone, Copy, Debug)]
-#[law(reads(position: Position, mass: Mass), adds(force: Force))]
+#[law(reads(position: Position, mass: Mass), adds(force: Force), translation_invariant)]
 pub struct Gravity<R = f64> {
     /// Constant of gravitation.
     #[law(unit = "m^3 kg^-1 s^-2", default = 6.674_30e-11)]

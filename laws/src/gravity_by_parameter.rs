@@ -12,7 +12,7 @@ use vesper::prelude::*;
 /// rows meet without softening. Point masses: no tides, no oblateness. The energy is in units of G, as in `kinematics`.
 /// In f32 distances stay below 1e19 m, and for the energy GM_i GM_j below 3e38 m^6/s^4: two suns are beyond.
 #[derive(Law, Clone, Copy, Debug)]
-#[law(reads(position: Position, parameter: StandardGravitationalParameter), adds(acceleration: Acceleration))]
+#[law(reads(position: Position, parameter: StandardGravitationalParameter), adds(acceleration: Acceleration), translation_invariant)]
 pub struct GravityByParameter<R = f64> {
     /// Softening length.
     #[law(unit = "m", default = 0.0)]

@@ -19,7 +19,8 @@ property! {
 #[derive(Law, Clone, Copy, Debug)]
 #[law(
     reads(position: Position, parameter: StandardGravitationalParameter),
-    adds(potential: GravitationalPotential, acceleration: NewtonianAcceleration)
+    adds(potential: GravitationalPotential, acceleration: NewtonianAcceleration),
+    translation_invariant
 )]
 pub struct NewtonianField;
 

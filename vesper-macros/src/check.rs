@@ -19,6 +19,7 @@ pub struct Law {
     pub doc: String,
     pub domain: Option<String>,
     pub second_order: bool,
+    pub translation_invariant: bool,
     /// In the order of their numbers.
     pub ports: Vec<Port>,
     /// Per port: the ports that a rate depends on, one bit each; all bits where the declaration does not say.
@@ -64,8 +65,8 @@ impl Faults {
 }
 
 pub fn check(declaration: Declaration) -> syn::Result<Law> {
-    let Declaration { name, visibility, doc, generics, declared, domain, second_order, mut ports, link, fields } =
-        declaration;
+    let Declaration { name, visibility, doc, generics, declared, domain, mut ports, link, fields, .. } = declaration;
+    let (second_order, translation_invariant) = (declaration.second_order, declaration.translation_invariant);
     let mut faults = Faults::default();
     let real = real(&generics, &mut faults);
     if !declared {
@@ -85,6 +86,14 @@ pub fn check(declaration: Declaration) -> syn::Result<Law> {
     {
         faults.at(span, "`second_order` without `rates`: it says that the rate of a coordinate is its momentum");
     }
+    if let Some(span) = translation_invariant
+        && !ports.iter().any(|port| port.mode == Mode::Reads)
+    {
+        faults.at(
+            span,
+            "`translation_invariant` without `reads`: it says that differences of coordinates are all it looks at",
+        );
+    }
     ports.sort_by_key(rank);
     if let Some(port) = ports.get(63) {
         faults.at(port.field.span(), "a law has at most 63 ports: split it");
@@ -103,8 +112,21 @@ pub fn check(declaration: Declaration) -> syn::Result<Law> {
         return Err(faults);
     }
     let (snake, domain) = (snake_case(&name.to_string()), domain.map(|domain| domain.value()));
-    let second_order = second_order.is_some();
-    Ok(Law { name, visibility, real, snake, doc, domain, second_order, ports, from, link, members })
+    let [second_order, translation_invariant] = [second_order, translation_invariant].map(|word| word.is_some());
+    Ok(Law {
+        name,
+        visibility,
+        real,
+        snake,
+        doc,
+        domain,
+        second_order,
+        translation_invariant,
+        ports,
+        from,
+        link,
+        members,
+    })
 }
 
 pub fn is_output(port: &Port) -> bool {

@@ -260,7 +260,7 @@ fn implementation(law: &Law) -> TokenStream {
     let ports = law.ports.iter().zip(&law.from).map(|(port, &from)| signature_port(port, from));
     let parameters = law.members.iter().filter_map(signature_parameter);
     let (snake, doc) = (&law.snake, &law.doc);
-    let second_order = law.second_order;
+    let (second_order, translation_invariant) = (law.second_order, law.translation_invariant);
     let domain = option(law.domain.as_ref().map(|domain| quote!(#domain)));
     let link = option(law.link.as_ref().map(|link| info(&link.property)));
     let bodies = law.members.iter().map(|member| match member {
@@ -297,6 +297,7 @@ fn implementation(law: &Law) -> TokenStream {
                 parameters: PARAMETERS,
                 link: #link,
                 second_order: #second_order,
+                translation_invariant: #translation_invariant,
                 file: ::core::file!(),
                 line: ::core::line!(),
             };

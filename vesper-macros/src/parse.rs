@@ -20,6 +20,8 @@ pub struct Declaration {
     pub domain: Option<LitStr>,
     /// The word `second_order`.
     pub second_order: Option<Span>,
+    /// The word `translation_invariant`.
+    pub translation_invariant: Option<Span>,
     pub ports: Vec<Port>,
     pub link: Option<Link>,
     pub fields: Vec<Field>,
@@ -115,6 +117,7 @@ impl Declaration {
             declared: false,
             domain: None,
             second_order: None,
+            translation_invariant: None,
             ports: Vec::new(),
             link: None,
             fields: Vec::new(),
@@ -150,6 +153,8 @@ impl Declaration {
                 }
             } else if text == "second_order" {
                 self.second_order = Some(word.span());
+            } else if text == "translation_invariant" {
+                self.translation_invariant = Some(word.span());
             } else if text == "link" {
                 if self.link.is_some() {
                     return Err(fault(word.span(), "a second `link`: a law follows one link; split it into two laws"));
@@ -160,7 +165,7 @@ impl Declaration {
             } else {
                 let what = if input.peek(token::Paren) { "mode" } else { "key" };
                 let mut known: Vec<&str> = GROUPS.iter().map(|group| group.0).collect();
-                known.extend(["link", "domain", "second_order"]);
+                known.extend(["link", "domain", "second_order", "translation_invariant"]);
                 return Err(fault(word.span(), unknown(what, &text, &known)));
             }
             comma(input)?;

@@ -247,6 +247,11 @@ pub enum Fault {
     },
     #[error("{who} does not let the origin move: {reason}")]
     OriginStays { who: String, reason: String },
+    #[error(
+        "{law} says translation_invariant, but what it gives changes where both rows of a pair move alike: look at differences of \
+         coordinates only, or leave the word out"
+    )]
+    NotInvariant { law: String },
     #[error("the checkpoint does not fit: {reason}")]
     Checkpoint { reason: String },
 }

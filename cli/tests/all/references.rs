@@ -20,17 +20,14 @@ fn run(case: &Case, name: &str, setting: Setting) -> Run {
 const LONG: &str = "oscillator_1e6_periods";
 
 /// Errors above ten times what the rounding of the input makes, in such units, and why.
-const ABOVE: [(&str, f64); 7] = [
-    // Each of the three bodies passes another one at a thousandth of their distance, again and again; the roundings of one
-    // passage are multiplied by the next ones.
-    ("pythagorean", 1e5),
+const ABOVE: [(&str, f64); 4] = [
+    // Each of the three bodies passes another one at a thousandth of their distance, again and again; the roundings of the
+    // forces in one passage are multiplied by the next ones.
+    ("pythagorean", 100.0),
     // Roundings at the pericentre, where energies are 2e4 times their sum.
     ("kepler_e0.9999", 30.0),
     // A strain is a difference of coordinates, and the force is stiff.
-    ("stiff_spring_pendulum", 20.0),
     ("hanging_chain_1000to1", 10.0),
-    ("orbiting_dumbbell", 10.0),
-    ("fpu_omega50", 5.0),
     // What is left of the velocity when sliding ends is that of rounding errors on the way.
     ("sliding_friction_stop", 20.0),
 ];
@@ -41,9 +38,14 @@ fn gauss_radau_comes_down_to_rounding() {
     assert_eq!(cases.len(), 50);
     let mut above = Vec::new();
     for case in cases.iter().filter(|case| case.id != LONG) {
-        let run = run(case, "gauss_radau_15", Setting::Tolerance(1e-7));
-        let (error, by_floor) = (run.error.unwrap(), run.by_floor.unwrap_or(run.error.unwrap() / 1e-12));
-        println!("{:28} {error:.1e} {by_floor:8.1e} {:8}", case.id, run.evaluations);
+        // The median of three, a hair apart: what is left is a walk of roundings, and one of them may be lucky or not.
+        let mut runs = [0.8e-7, 1e-7, 1.2e-7].map(|precision| {
+            let run = run(case, "gauss_radau_15", Setting::Tolerance(precision));
+            (run.error.unwrap(), run.by_floor.unwrap_or(run.error.unwrap() / 1e-12), run.evaluations)
+        });
+        runs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let [_, (error, by_floor, evaluations), _] = runs;
+        println!("{:28} {error:.1e} {by_floor:8.1e} {evaluations:8}", case.id);
         let allowed = ABOVE.iter().find(|(id, _)| *id == case.id).map_or(1.0, |(_, allowed)| *allowed);
         if by_floor > allowed || by_floor.is_nan() {
             above.push(format!("{}: {error:.1e} of {:.1e}", case.id, error / by_floor));

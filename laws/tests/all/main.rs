@@ -7,6 +7,7 @@ mod catalog;
 mod choice;
 mod conservation;
 mod derivatives;
+mod differences;
 mod implicit;
 mod jumps;
 mod kepler;

@@ -47,11 +47,12 @@ fn an_orbit_far_out_keeps_the_digits_of_its_own_extent() {
         println!("origin moves: {moves}, compensated: {compensated}: {:.1e}, {:.1e}", errors[0], errors[1]);
         errors
     });
-    let [[lost, coarse], [still_lost, _], [kept, fine], [best, finest]] = all;
-    // In f32 places are whole metres there, and laws see no others, whatever the state keeps.
-    assert!(lost > 0.1 && still_lost > 0.1, "{lost:e} {still_lost:e}");
-    assert!(kept < 5e-2 && best < 5e-4, "{kept:e} {best:e}");
-    assert!(coarse > 1e-8 && fine < 1e-10 && finest < 1e-10, "{coarse:e} {fine:e} {finest:e}");
+    let [[lost, coarse], [found, also_fine], [kept, fine], [best, finest]] = all;
+    // In f32 places are whole metres there; gravity is told what rounding took from them, where that is kept.
+    assert!(lost > 0.1 && found < 5e-2, "{lost:e} {found:e}");
+    assert!(kept < 5e-2 && best < 1e-5, "{kept:e} {best:e}");
+    let fine = [fine, also_fine, finest];
+    assert!(coarse > 1e-8 && fine.iter().all(|error| *error < 1e-10), "{coarse:e} {fine:?}");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! at a time and for lanes, and chosen at run time. Every one of them gives the same bits: lanes round as scalars do,
 //! and the terms of a sum are added in the order of the rows. Never: an order of laws, an integrator.
 
+mod apart;
 mod column;
 mod dynamic;
 mod link;
@@ -18,6 +19,7 @@ pub use link::link;
 pub use pair::pair;
 pub use row::row;
 
+pub(crate) use apart::coordinate_slots;
 pub(crate) use column::ColumnKernel;
 pub(crate) use link::{LinkCall, LinkKernel, Strided};
 pub(crate) use pair::{PairCall, PairKernel};

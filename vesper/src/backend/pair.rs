@@ -3,6 +3,7 @@
 //! Every i has one owner and takes its j in the order of the rows, so the bits do not depend on the width of the lanes
 //! or on the number of threads.
 
+use super::apart::{self, Apart, coordinate_slots};
 use super::pointers::{
     FewRows, MAX_SLOTS, RateRule, Rows, RowsMut, SUMS, Slots, Splat, StoreAll, StoreFirst, Sums, first_output,
     slot_count, slots_at,
@@ -19,6 +20,8 @@ use std::sync::Arc;
 pub(crate) struct PairCall<'a, P> {
     /// A pointer for every component: to the first row, or to the one number of a constant, or null.
     pub(crate) slots: &'a [*mut P],
+    /// By slot, what each row's coordinate is less than it was meant to be, or null; or none at all.
+    pub(crate) rests: &'a [*mut P],
     /// All rows: the j of every pair.
     pub(crate) rows: usize,
     /// The rows i that this call sums for.
@@ -31,9 +34,14 @@ pub(crate) struct PairCall<'a, P> {
 /// A pair law with its loop.
 pub(crate) trait PairKernel<P>: Send + Sync {
     /// # Safety
-    /// Every slot is null where its port is absent, or points to `rows` numbers (one for a constant) that are valid;
-    /// nobody else touches rows `from..to` of what the law adds to.
+    /// Every slot is null where its port is absent, or points to `rows` numbers (one for a constant) that are valid, and so do
+    /// rests, as many as slots or none; nobody else touches rows `from..to` of what the law adds to.
     unsafe fn run(&self, isa: Isa, call: &PairCall<'_, P>);
+    /// Whether the law gives the same where it is told differences of coordinates only, as it says.
+    ///
+    /// # Safety
+    /// As for `run`.
+    unsafe fn is_invariant(&self, call: &PairCall<'_, P>) -> bool;
     /// Runs the body over dual numbers.
     ///
     /// # Safety
@@ -66,7 +74,18 @@ const fn added(signature: &Signature) -> usize {
 impl<P: Scalar, F: PairFamily> PairKernel<P> for F {
     unsafe fn run(&self, isa: Isa, call: &PairCall<'_, P>) {
         // SAFETY: the caller promises the same.
-        P::with_lanes(isa, unsafe { Task::new(self, call) });
+        let task = unsafe { Task::new(self, call) };
+        if const { F::SIGNATURE.translation_invariant && coordinate_slots(F::SIGNATURE.ports) != 0 }
+            && !call.rests.is_empty()
+        {
+            return P::with_lanes(isa, Apart(task));
+        }
+        P::with_lanes(isa, task);
+    }
+
+    unsafe fn is_invariant(&self, call: &PairCall<'_, P>) -> bool {
+        // SAFETY: the caller promises the same.
+        call.rests.is_empty() || unsafe { apart::is_invariant(self, call) }
     }
 
     unsafe fn tangent(&self, call: &TangentCall<'_, P>) {
@@ -97,27 +116,27 @@ impl<P: Scalar, F: PairFamily> PairKernel<P> for F {
 
 type RowOf<F, R> = <<F as PairFamily>::Kernel<R> as Declared<R>>::Row;
 
-struct Task<'a, P, F> {
-    law: &'a F,
-    call: &'a PairCall<'a, P>,
+pub(super) struct Task<'a, P, F> {
+    pub(super) law: &'a F,
+    pub(super) call: &'a PairCall<'a, P>,
 }
 
 impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
-    const FIRST: usize = first_output(F::SIGNATURE.ports);
-    const ADDED: usize = added(&F::SIGNATURE);
-    const COUNT: usize = slot_count(F::SIGNATURE.ports);
+    pub(super) const FIRST: usize = first_output(F::SIGNATURE.ports);
+    pub(super) const ADDED: usize = added(&F::SIGNATURE);
+    pub(super) const COUNT: usize = slot_count(F::SIGNATURE.ports);
     const CONSTANTS: u64 = slots_at(F::SIGNATURE.ports, Place::Scene);
 
     /// # Safety
     /// As for [`PairKernel::run`], as long as it lives. Rows that its functions are given are rows of the call.
-    unsafe fn new<'a>(law: &'a F, call: &'a PairCall<'a, P>) -> Task<'a, P, F> {
+    pub(super) unsafe fn new<'a>(law: &'a F, call: &'a PairCall<'a, P>) -> Task<'a, P, F> {
         Task { law, call }
     }
 
     /// # Safety
     /// As for [`PairKernel::run`].
     #[inline(always)]
-    unsafe fn slots(call: &PairCall<'_, P>) -> Slots<P> {
+    pub(super) unsafe fn slots(call: &PairCall<'_, P>) -> Slots<P> {
         // SAFETY: passed on to the caller.
         unsafe { Slots::copied(call.slots, Self::COUNT, Self::CONSTANTS, 0) }
     }
@@ -137,7 +156,7 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
 
     /// Adds sums to the columns of `count` rows, or begins the columns with them.
     #[inline(always)]
-    fn give<R: Lanes<P>>(&self, slots: &Slots<P>, i: usize, sums: &Sums<R>, count: usize) {
+    pub(super) fn give<R: Lanes<P>>(&self, slots: &Slots<P>, i: usize, sums: &Sums<R>, count: usize) {
         if self.call.first {
             Self::give_by::<R, StoreFirst>(slots, i, sums, count);
         } else {
@@ -183,10 +202,7 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
         others: Range<usize>,
     ) {
         for j in others {
-            let share = Self::share(law, slots, row_i, j);
-            for (sum, share) in sums.values[..Self::ADDED].iter_mut().zip(share.values) {
-                *sum += share;
-            }
+            sums.take(&Self::share(law, slots, row_i, j), Self::ADDED);
         }
     }
 
@@ -204,10 +220,7 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
         for j in own {
             let itself = behind.equal(R::lit(0.0));
             behind -= R::lit(1.0);
-            let share = Self::share(law, slots, row_i, j);
-            for (sum, share) in sums.values[..Self::ADDED].iter_mut().zip(share.values) {
-                *sum = R::select(itself, *sum, *sum + share);
-            }
+            sums.take_but(itself, &Self::share(law, slots, row_i, j), Self::ADDED);
         }
     }
 }

@@ -332,6 +332,22 @@ impl<R: Real> Sums<R> {
         Sums { values: [R::lit(0.0); SUMS], first }
     }
 
+    /// Adds the first `count` of a share.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, share: &Sums<R>, count: usize) {
+        for (sum, share) in self.values[..count].iter_mut().zip(&share.values) {
+            *sum += *share;
+        }
+    }
+
+    /// The same, but for the lanes that are true.
+    #[inline(always)]
+    pub(crate) fn take_but(&mut self, not: R::Mask, share: &Sums<R>, count: usize) {
+        for (sum, share) in self.values[..count].iter_mut().zip(&share.values) {
+            *sum = R::select(not, *sum, *sum + *share);
+        }
+    }
+
     /// For what is added to a sum: what leaves every number as it is, so that the compiler leaves it out.
     #[inline(always)]
     pub(crate) fn nothing(first: usize) -> Self {

@@ -45,7 +45,7 @@ impl<P: Scalar> Engine<P> {
             self.pipeline.tangent = Some(Box::new(Tangent::new(&self.pipeline, &self.laws, &self.state)));
         }
         // Vectors of its own: those of the integrator, and what it remembers in them, stay as they are.
-        let more = Vectors::new(&self.pipeline, &self.state, vectors, (false, false));
+        let more = Vectors::new(&self.pipeline, &self.state, vectors, (false, false, false));
         let kept = core::mem::replace(&mut self.pipeline.vectors, more);
         let (time, step) = (self.time(), self.steps);
         let shared = (self.laws.as_slice(), self.chains.as_slice(), &self.machine);

@@ -157,6 +157,7 @@ impl DynLawBuilder {
             parameters: &[],
             link: None,
             second_order,
+            translation_invariant: false,
             file: "",
             line: 0,
         };

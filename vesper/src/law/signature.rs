@@ -115,6 +115,8 @@ pub struct Signature {
     pub link: Option<PropertyInfo>,
     /// Whether the rate of each coordinate that it gives is that coordinate's momentum, in every row that moves at all.
     pub second_order: bool,
+    /// Whether a pair law looks at differences of coordinates alone: what it gives stays as it is where both rows move alike.
+    pub translation_invariant: bool,
     /// Source file of the declaration.
     pub file: &'static str,
     /// Line of the declaration.

@@ -61,6 +61,9 @@ impl<P: Scalar> Vectors<P> {
             // SAFETY: passed on to the caller.
             return unsafe { self.by_component(&copy, lent, isa) };
         };
+        if to == Register::State {
+            self.look_at_errors(span.clone());
+        }
         // SAFETY: all vectors have a place for every number of the state; passed on to the caller.
         unsafe {
             match (self.vector(to), self.vector(from)) {
@@ -71,6 +74,14 @@ impl<P: Scalar> Vectors<P> {
                 (None, Some(from)) => self.each_component(part, lent, from, |state, from| *state = *from),
                 (None, None) => {}
             }
+        }
+    }
+
+    /// The state is what its rounding errors belong to.
+    pub(crate) fn look_at_errors(&self, span: Range<usize>) {
+        if let (Some(rests), Some(errors)) = (self.rests, self.carry()) {
+            // SAFETY: both are vectors, and different ones.
+            unsafe { rests.add(span.start).copy_from_nonoverlapping(errors.add(span.start), span.len()) };
         }
     }
 
@@ -114,14 +125,37 @@ impl<P: Scalar> Vectors<P> {
         let (weighed, at) = if momenta.weights.is_empty() { (terms, span.start) } else { (momenta, at_momenta) };
         let starts = self.work_from(weighed.first, weighed.weights.len());
         let row = Row { weights: weighed.weights, starts, at, factor: weighed.factor };
+        // A trial that begins at a vector begins at its rounding errors, too, where somebody looks at what the trial leaves out.
+        let (others, base) = match terms.others {
+            [others @ .., (1.0, from)] if !adds && to == Register::State && self.rests.is_some() => {
+                (others, Some(self.start(*from).wrapping_add(span.start)))
+            }
+            others => (others, None),
+        };
         let mut sources = Sources::new();
         sources.take(momenta.others.iter().map(|(factor, from)| (*factor, self.start(*from).wrapping_add(at_momenta))));
-        sources.take(terms.others.iter().map(|(factor, from)| (*factor, self.start(*from).wrapping_add(span.start))));
-        let errors = if to == Register::State && adds { self.carry() } else { None };
+        sources.take(others.iter().map(|(factor, from)| (*factor, self.start(*from).wrapping_add(span.start))));
+        let to_start = self.start(to).wrapping_add(span.start);
+        let [errors, rests] = [self.carry(), self.rests].map(|start| match start {
+            Some(start) if to == Register::State => start.wrapping_add(span.start),
+            _ => core::ptr::null_mut(),
+        });
+        let (base, errors, lost) = if adds {
+            (to_start.cast_const(), errors.cast_const(), [errors, rests])
+        } else if let Some(base) = base {
+            (base.cast_const(), errors.cast_const(), [rests, core::ptr::null_mut()])
+        } else {
+            if !rests.is_null() {
+                // SAFETY: rests have a place for every number of the state.
+                unsafe { core::slice::from_raw_parts_mut(rests, span.len()) }.fill(P::default());
+            }
+            (core::ptr::null(), core::ptr::null(), [core::ptr::null_mut(); 2])
+        };
         let sum = Sum {
-            to: self.start(to).wrapping_add(span.start),
-            errors: errors.map_or(core::ptr::null_mut(), |errors| errors.wrapping_add(span.start)),
-            adds,
+            to: to_start,
+            base,
+            errors,
+            lost,
             wide: self.sums_in_f64(),
             count: span.len(),
             row,
@@ -184,9 +218,10 @@ impl<P: Scalar> Vectors<P> {
                     count += 1;
                 }
                 let errors = errors.map_or(core::ptr::null_mut(), |errors| errors.wrapping_add(component.at));
+                let (base, lost) = (if adds { start } else { core::ptr::null_mut() }, [errors, core::ptr::null_mut()]);
                 let wide = self.sums_in_f64();
                 let (row, sources) = (Row::NONE, &sources[..count]);
-                let sum = Sum { to: start, errors, adds, wide, count: state.len, row, sources };
+                let sum = Sum { to: start, base, errors, lost, wide, count: state.len, row, sources };
                 if even {
                     P::with_lanes(isa, sum);
                 } else {

@@ -43,7 +43,7 @@ use crate::backend::Compiled;
 use crate::error::{Fault, Faults};
 use crate::graph::Graph;
 use crate::integrate::{Integrator, Structure};
-use crate::law::Mode;
+use crate::law::{Mode, Shape};
 use crate::property::{Kind, PropertyInfo, Role};
 use crate::real::{Isa, Scalar};
 use crate::registry::{Entry, QuantityId, Registry, Tie};
@@ -190,12 +190,21 @@ impl<P: Scalar> Pipeline<P> {
         // To take a step again, of those that do not choose their own, which keep what they need.
         let again = usize::from(pipeline.switches.any() && !integrator.is_adaptive());
         let work = integrator.work_vectors() + again;
-        let keeps = (compensated || integrator.compensates(), rotates);
+        let differences = pipeline.registry.seats.iter().any(|seat| pipeline.takes_differences(seat.law));
+        let keeps = (compensated || integrator.compensates(), rotates, differences);
         vectors::lay_together(&pipeline, state);
         pipeline.vectors = Vectors::new(&pipeline, state, work, keeps);
         pipeline.turners_at = pipeline.turners().flat_map(|by| pipeline.components(by, state)).collect();
         pipeline.programs =
             plans.into_iter().map(|plan| program(plan, laws, chains, &pipeline, state, machine)).collect();
+        let passes = pipeline.programs.iter().flat_map(|program| &program.passes);
+        let broken = passes.filter(|pass| matches!(&pass.pass, bind::Pass::Pair(pair) if !pair.is_invariant()));
+        let mut broken: Vec<usize> = broken.flat_map(|pass| &pass.laws).copied().collect();
+        broken.sort_unstable();
+        broken.dedup();
+        let faults =
+            broken.into_iter().map(|law| Fault::NotInvariant { law: pipeline.entries[law].label().to_owned() });
+        Faults::unless_empty(faults.collect(), ())?;
         if integrator.needs_derivatives() {
             pipeline.tangent = Some(Box::new(Tangent::new(&pipeline, laws, state)));
         }
@@ -204,6 +213,12 @@ impl<P: Scalar> Pipeline<P> {
         pipeline.observes = !pipeline.programs[Key::Observe.index()].passes.is_empty();
         pipeline.idle = pipeline.programs.iter().all(|program| program.passes.is_empty());
         Ok(pipeline)
+    }
+
+    /// Whether a law is of pairs, and looks at differences of coordinates only.
+    pub(crate) fn takes_differences(&self, law: usize) -> bool {
+        let entry = &self.entries[law];
+        entry.shape == Shape::Pair && entry.signature.translation_invariant
     }
 
     /// Lent memory may begin elsewhere than in the last run.

@@ -7,6 +7,7 @@ use super::switches::Phase;
 use crate::backend::{Kernel, LinkCall, PairCall, Strided};
 use crate::law::{ColumnAccess, PortView};
 use crate::real::Scalar;
+use core::ops::Range;
 
 pub(super) fn run_pass<P: Scalar>(pass: &mut BoundPass<P>, context: &Context<'_, P>) -> f64 {
     match &mut pass.pass {
@@ -50,26 +51,34 @@ fn add_scaled<P: Scalar>(parts: &[(Located<P>, *mut P)], step: Option<P>, contex
 /// Rows of a pair law that a thread takes at a time: a multiple of every width of lanes.
 const PAIR_GRAIN: usize = 64;
 
+impl<P: Scalar> PairPass<P> {
+    /// For these rows.
+    #[inline]
+    fn call(&self, rows: Range<usize>) -> PairCall<'_, P> {
+        let PairPass { slots, rests, rows: all, first, .. } = self;
+        PairCall { slots, rests, rows: *all, from: rows.start, to: rows.end, first: *first }
+    }
+
+    /// Whether the law gives the same where it is told differences of coordinates only.
+    pub(super) fn is_invariant(&self) -> bool {
+        // SAFETY: the slots have a number for every row.
+        self.rests.is_empty() || unsafe { self.kernel.is_invariant(&self.call(0..self.rows)) }
+    }
+}
+
 fn run_pair<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 {
     for transfer in &pass.transfers {
         // SAFETY: packed arrays have a number for every row.
         unsafe { transfer.load(context.lent, 0..pass.rows, pass.packed[transfer.scratch].pointer()) };
     }
-    let call = |rows: core::ops::Range<usize>| PairCall {
-        slots: &pass.slots,
-        rows: pass.rows,
-        from: rows.start,
-        to: rows.end,
-        first: pass.first,
-    };
     if pass.energy {
         // SAFETY: the slots have a number for every row.
-        return unsafe { pass.kernel.energy(&call(0..pass.rows)) }.unwrap_or_default();
+        return unsafe { pass.kernel.energy(&pass.call(0..pass.rows)) }.unwrap_or_default();
     }
     context.timed(pass.law, || {
         in_parts(context, pass.threads, pass.rows, PAIR_GRAIN, |rows| {
             // SAFETY: as above; parts sum for different rows.
-            unsafe { pass.kernel.run(context.isa, &call(rows)) };
+            unsafe { pass.kernel.run(context.isa, &pass.call(rows)) };
         });
     });
     context.watch(pass.law, || {
@@ -96,13 +105,7 @@ fn run_link<P: Scalar>(pass: &mut LinkPass<P>, context: &Context<'_, P>) -> f64 
     // SAFETY: the links of the layout that the program was tied to.
     let ends = unsafe { core::slice::from_raw_parts(pass.ends.0, pass.ends.1) };
     let shares = pass.gather.as_ref().map_or(core::ptr::null_mut(), |gather| gather.shares.pointer());
-    let call = |links: core::ops::Range<usize>| LinkCall {
-        slots: &pass.resolved,
-        ends,
-        from: links.start,
-        to: links.end,
-        shares,
-    };
+    let call = |links: Range<usize>| LinkCall { slots: &pass.resolved, ends, from: links.start, to: links.end, shares };
     if pass.energy {
         // SAFETY: the slots reach all rows, and the ends were checked when the state was made.
         return unsafe { kernel.energy(&call(0..pass.links)) }.unwrap_or_default();

@@ -60,6 +60,10 @@ impl<P: Scalar> Runner<'_, P> {
             for (row, number) in from.iter().enumerate() {
                 // SAFETY: it has `len` numbers, and so has the chunk; the runner holds the state.
                 unsafe { *start.add(row * stride) = P::from_f64(*number) };
+                if let Some(rests) = self.pipeline.vectors.rests {
+                    // SAFETY: rests have a place for every number of the state.
+                    unsafe { *rests.add(component.at + row) = P::default() };
+                }
             }
         }
     }

@@ -66,9 +66,12 @@ unsafe fn add<P: Scalar, const COUNT: usize>(sums: &mut [f64; COUNT], factor: f6
 /// A sum of arrays of `count` numbers.
 pub(super) struct Sum<'a, P> {
     pub(super) to: *mut P,
+    /// What is added to, or null: `to` itself, or what a trial begins at.
+    pub(super) base: *const P,
     /// The rounding errors of what is added to, or null.
-    pub(super) errors: *mut P,
-    pub(super) adds: bool,
+    pub(super) errors: *const P,
+    /// Where what rounding takes goes, or null.
+    pub(super) lost: [*mut P; 2],
     /// Whether it is summed in f64, of numbers that are none.
     pub(super) wide: bool,
     pub(super) count: usize,
@@ -112,10 +115,10 @@ impl<P: Scalar> Sum<'_, P> {
                     sums[set] += R::load(from.add(starts[set])) * factor;
                 }
             }
-            if self.adds {
+            if !self.base.is_null() {
                 let mut before = [R::lit(0.0); SETS];
                 for set in 0..SETS {
-                    before[set] = R::load(self.to.add(starts[set]));
+                    before[set] = R::load(self.base.add(starts[set]));
                 }
                 if self.errors.is_null() {
                     for set in 0..SETS {
@@ -132,7 +135,11 @@ impl<P: Scalar> Sum<'_, P> {
                         // Knuth's sum: exact whichever of the two is the larger.
                         let change = after - before;
                         let lost = ((after - change) - before) + (change - sum);
-                        lost.store(self.errors.add(starts[set]));
+                        for to in self.lost {
+                            if !to.is_null() {
+                                lost.store(to.add(starts[set]));
+                            }
+                        }
                         sums[set] = after;
                     }
                 }
@@ -161,13 +168,13 @@ impl<P: Scalar> Sum<'_, P> {
                 add(&mut sums, *factor, from.add(at));
             }
             for (number, sum) in sums.into_iter().enumerate() {
-                let (to, errors) = (self.to.add(at + number), self.errors.wrapping_add(at + number));
-                let keeps = self.adds && !self.errors.is_null();
-                let error = if keeps { (*errors).to_f64() } else { 0.0 };
-                let exact = if self.adds { (*to).to_f64() + (sum - error) } else { sum };
-                *to = P::from_f64(exact);
-                if keeps {
-                    *errors = P::from_f64((*to).to_f64() - exact);
+                let place = at + number;
+                let error = if self.errors.is_null() { 0.0 } else { (*self.errors.add(place)).to_f64() };
+                let exact = if self.base.is_null() { sum } else { (*self.base.add(place)).to_f64() + (sum - error) };
+                let rounded = P::from_f64(exact);
+                *self.to.add(place) = rounded;
+                for to in self.lost.into_iter().filter(|to| !to.is_null()) {
+                    *to.add(place) = P::from_f64(rounded.to_f64() - exact);
                 }
             }
         }
@@ -183,10 +190,13 @@ impl<P: Scalar> Sum<'_, P> {
             for ((source, (factor, from)), stride) in sources.iter_mut().zip(self.sources).zip(strides) {
                 *source = (*factor, from.wrapping_add(row * stride));
             }
+            // Only what is added to stands at such distances, and where it goes; rounding errors stand one by one.
             let errors = if self.errors.is_null() { self.errors } else { self.errors.wrapping_add(row) };
+            let lost = self.lost.map(|to| if to.is_null() { to } else { to.wrapping_add(row) });
+            let base = if self.base.is_null() { self.base } else { self.base.wrapping_add(row * stride) };
             let to = self.to.wrapping_add(row * stride);
             let sources = &sources[..self.sources.len()];
-            let one = Sum { to, errors, count: 1, sources, ..*self };
+            let one = Sum { to, base, errors, lost, count: 1, sources, ..*self };
             // SAFETY: passed on to the caller.
             unsafe { if one.wide { one.in_f64::<1>(0) } else { one.lanes::<P, 1>([0]) } };
         }

@@ -44,11 +44,14 @@ pub(crate) struct Vectors<P: Scalar> {
     state: Option<*mut P>,
     /// Where the vectors of registers begin: that of the state, or its image, or null; the rates; the integrator's own.
     starts: Vec<*mut P>,
-    /// Rates first, then the integrator's own, then, where the state is compensated, its rounding errors, and last, where
-    /// there are no gaps, an image of the state.
+    /// Rates first, then the integrator's own, then what the state is less than meant, where laws look at that; then, where the
+    /// state is compensated, its rounding errors, and last, where there are no gaps, an image of the state.
     pub(crate) registers: Vec<Aligned<P>>,
     /// Whether rounding errors are kept.
     pub(crate) compensated: bool,
+    /// What the state is less than it was meant to be, where laws look at that, too: its rounding errors, or those of a trial.
+    /// Only where the state stands as a vector does.
+    pub(crate) rests: Option<*mut P>,
     /// Whether components are staggered, with gaps between them.
     gaps: bool,
     /// By what momenta are turned, and what they were before, where an integrator rotates them.
@@ -75,6 +78,7 @@ impl<P: Scalar> Default for Vectors<P> {
             starts: Vec::new(),
             registers: Vec::new(),
             compensated: false,
+            rests: None,
             gaps: false,
             rotation: Vec::new(),
             kept_errors: Vec::new(),
@@ -94,7 +98,7 @@ impl<P: Scalar> Vectors<P> {
         pipeline: &Pipeline<P>,
         state: &State<P>,
         work: usize,
-        (compensated, rotates): (bool, bool),
+        (compensated, rotates, differences): (bool, bool, bool),
     ) -> Self {
         let ordered = ordered(pipeline);
         let rows = |id: QuantityId| {
@@ -121,12 +125,14 @@ impl<P: Scalar> Vectors<P> {
             ends[from..].fill(at);
             states.push(StateProperty { quantity: id, role, len, components });
         }
-        let count = 1 + work + usize::from(compensated) + usize::from(!gaps);
+        let one = as_one(&states).filter(|_| !gaps);
+        let looks = compensated && differences && one.is_some();
+        let count = 1 + work + usize::from(looks) + usize::from(compensated) + usize::from(!gaps);
         let held = held(pipeline, state);
         let filled = vec![false; held.len()];
         let momentum_behind = paired(&states, pipeline).then_some(ends[0]);
         let registers = in_one_block(count, if gaps { staggered::<P>(at) } else { at });
-        let one = as_one(&states).filter(|_| !gaps);
+        let rests = registers.get(1 + work).filter(|_| looks).map(Aligned::pointer);
         let image = registers.last().filter(|_| !gaps).map_or(core::ptr::null_mut(), Aligned::pointer);
         let own = registers[..1 + work].iter().map(Aligned::pointer);
         let starts = [one.unwrap_or(image)].into_iter().chain(own).collect();
@@ -138,6 +144,7 @@ impl<P: Scalar> Vectors<P> {
             starts,
             registers,
             compensated,
+            rests,
             gaps,
             rotation,
             kept_errors: Vec::new(),
@@ -154,6 +161,12 @@ impl<P: Scalar> Vectors<P> {
         let state = self.states.iter().find(|state| state.quantity == quantity)?;
         let at = state.components.get(component)?.at;
         Some(self.registers.first()?.pointer().wrapping_add(at))
+    }
+
+    /// What the components of a state are less than they were meant to be.
+    pub(crate) fn rest(&self, quantity: QuantityId, component: usize) -> Option<*mut P> {
+        let state = self.states.iter().find(|state| state.quantity == quantity)?;
+        Some(self.rests?.wrapping_add(state.components.get(component)?.at))
     }
 
     /// The components of what a momentum is turned by.
@@ -215,6 +228,7 @@ impl<P: Scalar> Vectors<P> {
             self.kept_errors.clear();
             self.kept_errors.extend_from_slice(errors.as_slice());
         }
+        self.look_at_errors(0..self.ends[2]);
     }
 
     /// The rounding errors of the state.
@@ -254,6 +268,7 @@ impl<P: Scalar> Vectors<P> {
         {
             errors.as_mut_slice().fill(P::default());
         }
+        self.look_at_errors(0..self.ends[2]);
     }
 }
 

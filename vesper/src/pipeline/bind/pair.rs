@@ -1,7 +1,7 @@
 //! Ties a pair law to a state. In: the operation, and where columns are. Out: a [`PairPass`]. Never runs anything.
 
 use super::{Base, Binder, PARALLEL_PAIRS, Transfer, defaults, threads};
-use crate::backend::PairKernel;
+use crate::backend::{PairKernel, coordinate_slots};
 use crate::column::Aligned;
 use crate::pipeline::operand::Operand;
 use crate::pipeline::plan::{Op, Placed};
@@ -14,6 +14,8 @@ pub(crate) struct PairPass<P: Scalar> {
     pub(crate) kernel: Arc<dyn PairKernel<P>>,
     pub(crate) rows: usize,
     pub(crate) slots: Vec<*mut P>,
+    /// By slot, what a coordinate is less than it was meant to be, or null; none where the law does not look at that.
+    pub(crate) rests: Vec<*mut P>,
     pub(crate) transfers: Vec<Transfer<P>>,
     pub(crate) packed: Vec<Aligned<P>>,
     pub(crate) energy: bool,
@@ -39,6 +41,7 @@ impl<P: Scalar> Binder<'_, P> {
             kernel: kernel.clone(),
             rows,
             slots: Vec::new(),
+            rests: Vec::new(),
             transfers: Vec::new(),
             packed: Vec::new(),
             energy,
@@ -72,6 +75,19 @@ impl<P: Scalar> Binder<'_, P> {
                 }
             };
             pass.slots.push(pointer);
+        }
+        if self.pipeline.takes_differences(law) && pass.packed.is_empty() && !energy {
+            let rest = |operand: &Operand| match *operand {
+                Operand::Quantity(id, component) => self.pipeline.vectors.rest(id, component),
+                _ => None,
+            };
+            let rests = op.operands.iter().map(rest);
+            pass.rests = rests.map(|rest| rest.unwrap_or(core::ptr::null_mut())).collect();
+            // Coordinates that laws do not move have none.
+            let coordinates = coordinate_slots(self.pipeline.entries[law].signature.ports);
+            if pass.rests.iter().enumerate().any(|(slot, rest)| rest.is_null() && coordinates >> slot & 1 == 1) {
+                pass.rests.clear();
+            }
         }
         Some(pass)
     }

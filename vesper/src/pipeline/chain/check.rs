@@ -151,7 +151,18 @@ mod tests {
         };
         let ports: Vec<Port> = ports.iter().map(port).collect();
         let ports = Vec::leak(ports);
-        Signature { name, doc: "", domain, ports, parameters: &[], link: None, second_order: false, file: "", line: 0 }
+        Signature {
+            name,
+            doc: "",
+            domain,
+            ports,
+            parameters: &[],
+            link: None,
+            second_order: false,
+            translation_invariant: false,
+            file: "",
+            line: 0,
+        }
     }
 
     fn message(laws: [Signature; 2]) -> Option<String> {

@@ -22,6 +22,7 @@ impl<const READ: usize, const WRITTEN: usize> Law for Counted<READ, WRITTEN> {
         parameters: &[],
         link: None,
         second_order: false,
+        translation_invariant: false,
         file: "",
         line: 0,
     };
