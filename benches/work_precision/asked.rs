@@ -1,7 +1,7 @@
 //! Runs of a task by programs of their own, which are asked in JSON: REBOUND by a script, diffsol by a program that is built here.
 
 use super::compared::Curve;
-use crate::Task;
+use crate::{REPEATS, Task};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
@@ -69,7 +69,7 @@ pub fn curve(peer: Peer, task: &Task, name: &str, settings: &[f64], options: &[(
         task.case.bodies.iter().map(|body| json!([body.mass, body.position, body.velocity])).collect();
     let asked = json!({
         "g": task.gravity, "bodies": bodies, "times": task.problem.times, "scales": task.scales(), "runs": runs,
-        "repeats": 1,
+        "repeats": REPEATS,
     });
     let (mut command, mend) = peer.command()?;
     let missing = |what: String| format!("{what}; {mend}");
@@ -100,8 +100,8 @@ pub fn curve(peer: Peer, task: &Task, name: &str, settings: &[f64], options: &[(
         moments.map(|moment| [part(moment, 0), part(moment, 1)]).collect()
     };
     let points = told["runs"].as_array().into_iter().flatten().map(|run| {
-        let seconds = run["seconds"].as_array().into_iter().flatten().map(numbers).collect();
-        (task.error(&states(run)), seconds)
+        let seconds = run["seconds"].as_array().into_iter().flatten().map(numbers);
+        (task.error(&states(run)), vec![seconds.fold(f64::INFINITY, f64::min)])
     });
     let version = told["version"].as_str().unwrap_or("");
     let told = |option: &str, words| if options.contains_key(option) { words } else { "" };

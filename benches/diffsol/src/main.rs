@@ -1,6 +1,6 @@
 //! Integrates bodies with diffsol, for `cargo bench -- work_precision`.
 //!
-//! In: on standard input, one JSON object: `g`, `bodies` (mass, position, velocity of each), `times`, `scales` (of positions and velocities), `runs` (integrator, setting).
+//! In: on standard input, one JSON object: `g`, `bodies` (mass, position, velocity of each), `times`, `scales` (of positions and velocities), `runs` (integrator, setting), `repeats`.
 //! Out: on standard output, one JSON object: the version, and for each run the seconds that it took, and positions and velocities
 //! at the times. Timed is the solver alone. The right-hand side is as a careful user writes it: each pair once, plain slices.
 
@@ -18,6 +18,7 @@ struct Asked {
     /// Of positions, and of velocities.
     scales: [f64; 2],
     runs: Vec<Run>,
+    repeats: usize,
 }
 
 #[derive(Deserialize)]
@@ -35,7 +36,8 @@ struct Told {
 
 #[derive(Serialize)]
 struct Done {
-    seconds: [f64; 1],
+    /// Of every repeat.
+    seconds: Vec<f64>,
     /// Position and velocity of each body at each time.
     states: Vec<Vec<[Vec<f64>; 2]>>,
 }
@@ -87,16 +89,21 @@ fn run(asked: &Asked, run: &Run) -> Result<Done, Box<dyn Error>> {
         let rows = positions.chunks(3).zip(velocities.chunks(3));
         states.push(rows.map(|(position, velocity)| [position.to_vec(), velocity.to_vec()]).collect());
     }
-    Ok(Done { seconds: [begin.elapsed().as_secs_f64()], states })
+    Ok(Done { seconds: vec![begin.elapsed().as_secs_f64()], states })
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let asked: Asked = serde_json::from_reader(std::io::stdin())?;
     // A run that ends early has no states: it came to no error.
     let runs = asked.runs.iter().map(|each| {
-        run(&asked, each).unwrap_or_else(|reason| {
+        let repeats = (0..asked.repeats).map(|_| run(&asked, each));
+        let all = repeats.collect::<Result<Vec<Done>, _>>().map(|all| {
+            let seconds = all.iter().flat_map(|done| done.seconds.clone()).collect();
+            Done { seconds, states: all.into_iter().next().map_or(Vec::new(), |done| done.states) }
+        });
+        all.unwrap_or_else(|reason| {
             eprintln!("{}, {:e}: {reason}", each.integrator, each.setting);
-            Done { seconds: [f64::NAN], states: Vec::new() }
+            Done { seconds: vec![f64::NAN], states: Vec::new() }
         })
     });
     let runs = runs.collect();

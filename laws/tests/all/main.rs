@@ -20,5 +20,6 @@ mod respa;
 mod solar_system;
 mod stability;
 mod subset;
+mod sums;
 mod turning;
 mod wisdom_holman;

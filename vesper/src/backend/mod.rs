@@ -105,7 +105,7 @@ impl<P: Scalar> Compiled<P> {
 pub(crate) enum Kernel<P: Scalar> {
     /// Shared with the operations that run it: they go from block to block without a look at the list of laws.
     Row(Arc<dyn RowKernel<P>>),
-    /// As above.
+    /// Shared with the passes that run it.
     Pair(Arc<dyn PairKernel<P>>),
     Link(Box<dyn LinkKernel<P>>),
     Column(Box<dyn ColumnKernel<P>>),

@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub(crate) struct PairCall<'a, P> {
     /// A pointer for every component: to the first row, or to the one number of a constant, or null.
     pub(crate) slots: &'a [*mut P],
-    /// By slot, what each row's coordinate is less than it was meant to be, or null; or none at all.
+    /// By slot, what rounding added to each row's coordinate, or null; or none at all.
     pub(crate) rests: &'a [*mut P],
     /// All rows: the j of every pair.
     pub(crate) rows: usize,
@@ -84,8 +84,11 @@ impl<P: Scalar, F: PairFamily> PairKernel<P> for F {
     }
 
     unsafe fn is_invariant(&self, call: &PairCall<'_, P>) -> bool {
+        if const { !F::SIGNATURE.translation_invariant } || call.rests.is_empty() {
+            return true;
+        }
         // SAFETY: the caller promises the same.
-        call.rests.is_empty() || unsafe { apart::is_invariant(self, call) }
+        unsafe { apart::is_invariant(self, call) }
     }
 
     unsafe fn tangent(&self, call: &TangentCall<'_, P>) {
@@ -166,19 +169,13 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
 
     #[inline(always)]
     fn give_by<R: Lanes<P>, Rule: RateRule>(slots: &Slots<P>, i: usize, sums: &Sums<R>, count: usize) {
-        // SAFETY: see above.
-        let (mut rows, mut few) = unsafe {
-            let nothing = R::lit(0.0);
-            (
-                RowsMut::<P, R, Rule, false>::new(slots, i, nothing),
-                RowsMut::<P, R, Rule, true>::few(slots, i, count, nothing),
-            )
-        };
         for (k, sum) in sums.values[..Self::ADDED].iter().enumerate() {
             if count == R::WIDTH {
-                rows.add(Self::FIRST + k, *sum);
+                // SAFETY: `Task::new` was promised the rows.
+                unsafe { RowsMut::<P, R, Rule, false>::new(slots, i, R::lit(0.0)) }.add(Self::FIRST + k, *sum);
             } else {
-                few.add(Self::FIRST + k, *sum);
+                // SAFETY: as above.
+                unsafe { RowsMut::<P, R, Rule, true>::few(slots, i, count, R::lit(0.0)) }.add(Self::FIRST + k, *sum);
             }
         }
     }

@@ -58,6 +58,7 @@ pub(crate) trait RowKernel<P>: Send + Sync {
 
 /// Makes the loop of a row law.
 pub fn row<P: Scalar, F: RowFamily>(law: &F) -> Compiled<P> {
+    const { assert!(!F::SIGNATURE.translation_invariant, "translation_invariant is said by laws of pairs alone") };
     Compiled {
         signature: F::SIGNATURE,
         energy: F::ENERGY,

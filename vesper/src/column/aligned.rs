@@ -151,6 +151,15 @@ impl<P: Copy + Default> Block<P> {
         Block { numbers: Arc::new(Aligned::zeros(len, 0)), taken: 0 }
     }
 
+    /// The next zeros of the block, as an array in it.
+    pub(crate) fn zeros(&mut self, len: usize) -> Aligned<P> {
+        assert!(len <= self.numbers.len - self.taken, "a block has room for the arrays that it was made for");
+        // SAFETY: the block has room for the numbers from there on, and nobody else has that part of it.
+        let start = unsafe { self.numbers.start.add(self.taken) };
+        self.taken += len;
+        Aligned { start, len, capacity: len, lead: 0, stream: 0, block: Some(self.numbers.clone()) }
+    }
+
     /// Moves an array in. One that grows later moves out again.
     pub(crate) fn take_in(&mut self, array: &mut Aligned<P>) {
         assert!(array.len <= self.numbers.len - self.taken, "a block has room for the arrays that it was made for");
@@ -183,8 +192,10 @@ mod tests {
         first.resize(4);
         first.as_mut_slice().fill(7.0);
         assert_eq!((last.as_slice(), last.clone().as_slice()), ([3.0, 4.0, 5.0].as_slice(), last.as_slice()));
-        let mut again = Block::new(7);
+        let mut again = Block::new(9);
+        let zeros = again.zeros(2);
         [first, last].iter_mut().for_each(|array| again.take_in(array));
+        assert_eq!(zeros.as_slice(), [0.0; 2]);
     }
 
     #[test]

@@ -90,7 +90,7 @@ impl<P: Scalar> Engine<P> {
             origin: self.state.origin.map_or(Vec::new(), |origin| origin.numbers()),
             memory: if self.touched || self.stale { Vec::new() } else { self.integrator.memory() },
             domains: (0..self.state.domains().len()).map(|domain| self.domain_data(domain)).collect(),
-            registers: vectors.registers.iter().map(numbers).collect(),
+            registers: vectors.kept().iter().map(numbers).collect(),
             held: vectors
                 .held
                 .iter()
@@ -157,15 +157,17 @@ impl<P: Scalar> Engine<P> {
         self.evaluations = checkpoint.evaluations;
         self.touched = false;
         let vectors = &mut self.pipeline.vectors;
-        let registers = vectors.registers.iter_mut().zip(&checkpoint.registers);
-        let held = vectors.held.iter_mut().flat_map(|(_, shares)| shares.iter_mut().map(|(_, share)| share));
-        let mut whole = true;
-        for (array, numbers) in registers.chain(held.zip(checkpoint.held.iter().flatten())) {
+        let mut whole = vectors.kept().len() == checkpoint.registers.len();
+        let mut fill = |array: &mut Aligned<P>, numbers: &[f64]| {
             whole &= array.as_slice().len() == numbers.len();
             for (number, value) in array.as_mut_slice().iter_mut().zip(numbers) {
                 *number = P::from_f64(*value);
             }
-        }
+        };
+        vectors.kept_mut().iter_mut().zip(&checkpoint.registers).for_each(|(array, numbers)| fill(array, numbers));
+        let held = vectors.held.iter_mut().flat_map(|(_, shares)| shares.iter_mut().map(|(_, share)| share));
+        held.zip(checkpoint.held.iter().flatten()).for_each(|(array, numbers)| fill(array, numbers));
+        vectors.look_at_errors(vectors.whole());
         if whole && vectors.filled.len() == checkpoint.filled.len() {
             vectors.filled.clone_from(&checkpoint.filled);
             self.integrator.set_memory(&checkpoint.memory);

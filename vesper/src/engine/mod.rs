@@ -236,7 +236,7 @@ impl<P: Scalar> Engine<P> {
         }
         blow_up::check(&self.pipeline, &self.state, self.machine.isa, (self.steps, self.time()))?;
         if self.state.recentre() {
-            // Rounding errors are still those of the same places; what else an integrator keeps may be places.
+            // Rounding errors stay with the places that they are of; what else an integrator keeps may be places.
             self.integrator.restart();
             self.pipeline.switches.holds = false;
         }
@@ -306,7 +306,16 @@ impl<P: Scalar> Engine<P> {
             &self.machine,
         );
         match rebuilt {
-            Ok(pipeline) => self.pipeline = pipeline,
+            Ok(pipeline) => {
+                // A law that woke, or a field that was set, may see what the others do not.
+                self.stale = true;
+                let old = core::mem::replace(&mut self.pipeline, pipeline);
+                if let Err(faults) = self.let_origin_move() {
+                    self.pipeline = old;
+                    self.pipeline.registry.report = before;
+                    return Err(faults);
+                }
+            }
             Err(faults) => {
                 self.pipeline.registry.report = before;
                 return Err(faults);
@@ -314,9 +323,6 @@ impl<P: Scalar> Engine<P> {
         }
         build::log_changes(&before, &self.pipeline.registry.report);
         self.integrator.restart();
-        // A law that woke, or a field that was set, may see what the others do not.
-        self.stale = true;
-        self.let_origin_move()?;
         self.stale = false;
         Ok(())
     }

@@ -54,11 +54,10 @@ impl<'a> Terms<'a> {
         self.weights.len() + self.others.len()
     }
 
-    /// Each with its factor.
-    pub(crate) fn each(&self) -> impl Iterator<Item = Term> {
+    /// Those of the row, each with its factor.
+    pub(crate) fn of_row(&self) -> impl Iterator<Item = Term> {
         let weights = self.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
-        let weighted = weights.map(|(number, weight)| (weight * self.factor, Register::Work(self.first + number)));
-        weighted.chain(self.others.iter().copied())
+        weights.map(|(number, weight)| (weight * self.factor, Register::Work(self.first + number)))
     }
 
     /// The first `count`, and the rest.
@@ -79,9 +78,11 @@ pub struct Combination<'a> {
     pub adds: bool,
     /// The part of the state that is meant.
     pub part: Part,
-    /// What is summed, in this order. What is written may be among them.
+    /// What is summed: rows of weights first, those of momenta before the others, then single vectors in the same order. What
+    /// is written may be among them, where there are no more than 24. A trial of a compensated state that begins at what the
+    /// state was before ends with that, `(1.0, ..)`: laws that look at differences then get what rounding took from the trial.
     pub terms: Terms<'a>,
-    /// For coordinates alone: vectors of which the momenta are summed behind the terms, each to the coordinate that it
+    /// For coordinates alone: vectors of which the momenta are summed, each to the coordinate that it
     /// moves. Only where [`System::coordinates_follow_momenta`].
     pub momenta: Terms<'a>,
 }

@@ -11,6 +11,7 @@ use super::vectors::lent_columns;
 use super::{FusedChain, Listed, Machine, Pipeline};
 use crate::backend::Kernel;
 use crate::column::{Aligned, Storage};
+use crate::integrate::Register;
 use crate::property::Role;
 use crate::real::Scalar;
 use crate::registry::Backend;
@@ -75,8 +76,9 @@ impl<P: Scalar> Transfer<P> {
 /// What is asked, ready to run.
 pub(crate) struct Program<P: Scalar> {
     pub(crate) passes: Vec<BoundPass<P>>,
-    /// Whether rates can go to another vector than their own: laws write all of them in place.
-    pub(crate) moves_rates: bool,
+    /// Where the rates begin that laws write to; `None` where they cannot go to another vector, since not all of them are
+    /// written in place.
+    pub(crate) rates: Option<*mut P>,
 }
 
 /// A pass, and on which steps it runs.
@@ -175,13 +177,15 @@ pub(crate) fn program<P: Scalar>(
     machine: &Machine,
 ) -> Program<P> {
     let binder = Binder { plan: &plan, laws, chains, pipeline, state, machine };
-    let rates = |pass: &Vec<Placed>| {
-        pass.iter().flat_map(|op| &op.operands).filter(|operand| matches!(operand, Operand::Rate(..))).count()
+    let mut in_place = true;
+    let bound = |ops: &Vec<Placed>| {
+        let pass = binder.pass(ops)?;
+        let rates = ops.iter().flat_map(|op| &op.operands).filter(|operand| matches!(operand, Operand::Rate(..)));
+        in_place &= rates.count() == if let Pass::Group(group) = &pass.pass { group.rates.len() } else { 0 };
+        Some(pass)
     };
-    let passes: Vec<BoundPass<P>> = plan.passes.iter().filter_map(|pass| binder.pass(pass)).collect();
-    let moves = passes.iter().map(|pass| if let Pass::Group(group) = &pass.pass { group.rates.len() } else { 0 });
-    let moves_rates = moves.sum::<usize>() == plan.passes.iter().map(rates).sum();
-    Program { passes, moves_rates }
+    let passes = plan.passes.iter().filter_map(bound).collect();
+    Program { passes, rates: pipeline.vectors.vector(Register::Rates).filter(|_| in_place) }
 }
 
 pub(super) struct Binder<'a, P: Scalar> {

@@ -114,15 +114,21 @@ impl<P: Scalar> Group<P> {
     /// The state has the layout that the group was tied to, and nobody else touches it.
     pub(crate) unsafe fn run(&mut self, context: &Context<'_, P>) -> f64 {
         let Group { rows, block, moves, rates, columns, ops, transfers, desks, .. } = self;
+        if let ([desk], []) = (desks.as_mut_slice(), transfers.as_slice())
+            && desk.ready
+        {
+            // One block that has been here before, with all in place: with few rows the rest would take longer than the laws.
+            desk.move_rates(rates, context.rates);
+            let ahead = [desk.scratch.pointer().cast_const(); AHEAD];
+            let mut energy = 0.0;
+            for op in &*ops {
+                // SAFETY: passed on to the caller; the pointers are those of the only block.
+                energy += unsafe { run_op(context, op, 0..*rows, &desk.pointers, ahead) };
+            }
+            return energy;
+        }
         let body = Body { rows: *rows, block: *block, moves, rates, columns, ops, transfers, context };
         if let [desk] = desks.as_mut_slice() {
-            // One block that has been here before, with all in place: with few rows the rest would take longer than the laws.
-            if desk.ready && transfers.is_empty() {
-                body.move_rates(desk);
-                let ahead = [desk.scratch.pointer().cast_const(); AHEAD];
-                // SAFETY: passed on to the caller; the pointers are those of the only block.
-                return ops.iter().map(|op| unsafe { body.op(op, 0..*rows, &desk.pointers, ahead) }).sum();
-            }
             // SAFETY: passed on to the caller.
             return unsafe { body.blocks(0..rows.div_ceil(*block), desk) };
         }
@@ -138,6 +144,20 @@ impl<P: Scalar> Group<P> {
     /// The memory that lent columns begin at may have changed: pointers are made anew in the next run.
     pub(crate) fn unready(&mut self) {
         self.desks.iter_mut().for_each(|desk| desk.ready = false);
+    }
+}
+
+impl<P: Scalar> Desk<P> {
+    /// Lets the rates at these slots go where they are wanted: so many numbers behind their own place.
+    #[inline(always)]
+    fn move_rates(&mut self, slots: &[usize], wanted: usize) {
+        if self.rates != wanted {
+            for slot in slots {
+                let pointer = &mut self.pointers[*slot];
+                *pointer = pointer.wrapping_sub(self.rates).wrapping_add(wanted);
+            }
+            self.rates = wanted;
+        }
     }
 }
 
@@ -171,7 +191,7 @@ impl<P: Scalar> Body<'_, P> {
                 self.point(first, desk);
                 desk.ready = self.rows <= self.block;
             }
-            self.move_rates(desk);
+            desk.move_rates(self.rates, self.context.rates);
             let scratch = |at: usize| desk.scratch.pointer().wrapping_add(at * self.block);
             for transfer in self.transfers {
                 // SAFETY: the rows exist, and a scratch holds a block.
@@ -188,7 +208,7 @@ impl<P: Scalar> Body<'_, P> {
                     _ => desk.scratch.pointer().cast_const(),
                 });
                 // SAFETY: the pointers are those of this block.
-                energy += unsafe { self.op(op, rows.clone(), &desk.pointers, ahead) };
+                energy += unsafe { run_op(self.context, op, rows.clone(), &desk.pointers, ahead) };
             }
             for transfer in self.transfers.iter().filter(|transfer| transfer.save) {
                 // SAFETY: as above, and the rows are this thread's.
@@ -205,99 +225,91 @@ impl<P: Scalar> Body<'_, P> {
         }
         desk.rates = 0;
     }
+}
 
-    /// Lets rates go where they are wanted.
-    #[inline(always)]
-    fn move_rates(&self, desk: &mut Desk<P>) {
-        let wanted = self.context.rates;
-        if desk.rates != wanted {
-            for slot in self.rates {
-                let pointer = &mut desk.pointers[*slot];
-                *pointer = pointer.wrapping_sub(desk.rates).wrapping_add(wanted);
-            }
-            desk.rates = wanted;
-        }
-    }
-
-    /// # Safety
-    /// `pointers` are those of the block, which has these rows.
-    unsafe fn op(&self, op: &BlockOp<P>, block: Range<usize>, pointers: &[*mut P], ahead: [*const P; AHEAD]) -> f64 {
-        let context = self.context;
-        let rows = block.len();
-        match op {
-            BlockOp::Start { to, from: Start::Number(number) } => {
-                for &to in &pointers[to.clone()] {
-                    // SAFETY: a sum has a number for every row.
-                    unsafe { core::slice::from_raw_parts_mut(to, rows) }.fill(P::from_f64(*number));
-                }
-            }
-            BlockOp::Start { to, from: Start::Slots(from) } => {
-                for (&to, &from) in pointers[to.clone()].iter().zip(&pointers[from.clone()]) {
-                    // SAFETY: both have a number for every row, and are different columns.
-                    unsafe { to.copy_from_nonoverlapping(from, rows) };
-                }
-            }
-            BlockOp::Sample { field, at, to, regions } => {
-                let at = core::array::from_fn(|c| pointers[at.start + c]);
-                let to = core::array::from_fn(|c| pointers[to.start + c]);
-                // SAFETY: places are columns or scratches of the block, samples are scratches of their own.
-                let (at, to) = unsafe {
-                    (
-                        at.map(|start| core::slice::from_raw_parts(start, rows)),
-                        to.map(|start| core::slice::from_raw_parts_mut(start, rows)),
-                    )
-                };
-                let field = &context.fields[*field].1;
-                match regions.filter(|_| context.phase != Phase::Free) {
-                    None => field.sample_block(at, context.time, to),
-                    Some(regions) => {
-                        // SAFETY: the rows are this thread's own.
-                        unsafe { regions.sample((&**field, context.phase, context.time), block.start, at, to) };
-                    }
-                }
-            }
-            BlockOp::Law { law, kernel, slots, uniform, part, advance, drift, energy, first } => {
-                let [advance, drift] = [advance, drift].map(|stage| stage.map(|stage| context.steps[stage]));
-                let slots_of_call = &pointers[slots.clone()];
-                let call = RowCall {
-                    slots: slots_of_call,
-                    uniform: *uniform,
-                    rows,
-                    part: *part,
-                    advance,
-                    drift,
-                    first: *first,
-                    ahead,
-                };
-                if *energy {
-                    // SAFETY: passed on to the caller.
-                    return unsafe { kernel.energy(&call) }.unwrap_or_default();
-                }
-                context.timed(*law, || {
-                    // SAFETY: passed on to the caller.
-                    unsafe { kernel.run(context.isa, &call) };
-                });
-                let first = || slots.start + super::pass::first_result(context, *law);
-                context.watch(*law, || pointers[first()..slots.end].iter().map(|start| (*start, 1, rows)));
-            }
-            BlockOp::Fused { chain, slots, fixed, momenta, coordinates } => {
-                let chain = &context.chains[*chain];
-                let step = |stage: &Option<usize>| stage.map(|stage| context.steps[stage]);
-                context.timed(chain.last_law(), || {
-                    // SAFETY: passed on to the caller.
-                    unsafe {
-                        chain.run(&ChainCall {
-                            isa: context.isa,
-                            slots: &pointers[slots.clone()],
-                            fixed: *fixed,
-                            rows,
-                            kick: step(momenta),
-                            drift: step(coordinates),
-                        });
-                    }
-                });
+/// # Safety
+/// `pointers` are those of the block, which has these rows.
+unsafe fn run_op<P: Scalar>(
+    context: &Context<'_, P>,
+    op: &BlockOp<P>,
+    block: Range<usize>,
+    pointers: &[*mut P],
+    ahead: [*const P; AHEAD],
+) -> f64 {
+    let rows = block.len();
+    match op {
+        BlockOp::Start { to, from: Start::Number(number) } => {
+            for &to in &pointers[to.clone()] {
+                // SAFETY: a sum has a number for every row.
+                unsafe { core::slice::from_raw_parts_mut(to, rows) }.fill(P::from_f64(*number));
             }
         }
-        0.0
+        BlockOp::Start { to, from: Start::Slots(from) } => {
+            for (&to, &from) in pointers[to.clone()].iter().zip(&pointers[from.clone()]) {
+                // SAFETY: both have a number for every row, and are different columns.
+                unsafe { to.copy_from_nonoverlapping(from, rows) };
+            }
+        }
+        BlockOp::Sample { field, at, to, regions } => {
+            let at = core::array::from_fn(|c| pointers[at.start + c]);
+            let to = core::array::from_fn(|c| pointers[to.start + c]);
+            // SAFETY: places are columns or scratches of the block, samples are scratches of their own.
+            let (at, to) = unsafe {
+                (
+                    at.map(|start| core::slice::from_raw_parts(start, rows)),
+                    to.map(|start| core::slice::from_raw_parts_mut(start, rows)),
+                )
+            };
+            let field = &context.fields[*field].1;
+            match regions.filter(|_| context.phase != Phase::Free) {
+                None => field.sample_block(at, context.time, to),
+                Some(regions) => {
+                    // SAFETY: the rows are this thread's own.
+                    unsafe { regions.sample((&**field, context.phase, context.time), block.start, at, to) };
+                }
+            }
+        }
+        BlockOp::Law { law, kernel, slots, uniform, part, advance, drift, energy, first } => {
+            let [advance, drift] = [advance, drift].map(|stage| stage.map(|stage| context.steps[stage]));
+            let slots_of_call = &pointers[slots.clone()];
+            let call = RowCall {
+                slots: slots_of_call,
+                uniform: *uniform,
+                rows,
+                part: *part,
+                advance,
+                drift,
+                first: *first,
+                ahead,
+            };
+            if *energy {
+                // SAFETY: passed on to the caller.
+                return unsafe { kernel.energy(&call) }.unwrap_or_default();
+            }
+            context.timed(*law, || {
+                // SAFETY: passed on to the caller.
+                unsafe { kernel.run(context.isa, &call) };
+            });
+            let first = || slots.start + super::pass::first_result(context, *law);
+            context.watch(*law, || pointers[first()..slots.end].iter().map(|start| (*start, 1, rows)));
+        }
+        BlockOp::Fused { chain, slots, fixed, momenta, coordinates } => {
+            let chain = &context.chains[*chain];
+            let step = |stage: &Option<usize>| stage.map(|stage| context.steps[stage]);
+            context.timed(chain.last_law(), || {
+                // SAFETY: passed on to the caller.
+                unsafe {
+                    chain.run(&ChainCall {
+                        isa: context.isa,
+                        slots: &pointers[slots.clone()],
+                        fixed: *fixed,
+                        rows,
+                        kick: step(momenta),
+                        drift: step(coordinates),
+                    });
+                }
+            });
+        }
     }
+    0.0
 }

@@ -2,7 +2,7 @@
 
 use super::sum::{Row, Sources, Sum, TERMS};
 use super::vectors::{Component, Vectors};
-use crate::integrate::{Combination, Register, Terms};
+use crate::integrate::{Combination, Register, Term, Terms};
 use crate::law::Part;
 use crate::real::{Isa, Scalar};
 use core::ops::Range;
@@ -19,7 +19,7 @@ impl<P: Scalar> Vectors<P> {
         assert!(paired, "momenta are summed to the coordinates they move, where coordinates_follow_momenta");
         // SAFETY: passed on to the caller.
         unsafe {
-            if momenta.len() + terms.len() > TERMS || !(momenta.weights.is_empty() || terms.weights.is_empty()) {
+            if momenta.len() + terms.len() > TERMS {
                 return self.in_turns(combination, lent, isa);
             }
             match (self.span(part), self.vector(Register::State), self.image()) {
@@ -30,15 +30,16 @@ impl<P: Scalar> Vectors<P> {
         }
     }
 
-    /// More terms than are summed in one pass, or two rows of weights.
+    /// More terms than are summed in one pass.
     ///
     /// # Safety
     /// As for [`Vectors::linear`].
     #[cold]
     unsafe fn in_turns(&self, combination: &Combination<'_>, lent: &[*mut P], isa: Isa) {
+        let trial = combination.to == Register::State && !combination.adds && self.compensated;
+        assert!(!trial, "a trial of a compensated state has at most {TERMS} terms");
         let (momenta, momenta_left) = combination.momenta.split_at(TERMS);
-        let room = if momenta.weights.is_empty() { TERMS - momenta.len() } else { 0 };
-        let (terms, terms_left) = combination.terms.split_at(room);
+        let (terms, terms_left) = combination.terms.split_at(TERMS - momenta.len());
         // SAFETY: passed on to the caller.
         unsafe {
             self.linear(&Combination { terms, momenta, ..*combination }, lent, isa);
@@ -122,7 +123,9 @@ impl<P: Scalar> Vectors<P> {
     unsafe fn in_one(&self, combination: &Combination<'_>, span: Range<usize>, isa: Isa) {
         let Combination { to, adds, terms, momenta, .. } = *combination;
         let at_momenta = span.start + self.momentum_behind.unwrap_or(0);
+        // One row goes to the sum as it is, a second one term by term.
         let (weighed, at) = if momenta.weights.is_empty() { (terms, span.start) } else { (momenta, at_momenta) };
+        let second = if momenta.weights.is_empty() { Terms::NONE } else { terms };
         let starts = self.work_from(weighed.first, weighed.weights.len());
         let row = Row { weights: weighed.weights, starts, at, factor: weighed.factor };
         // A trial that begins at a vector begins at its rounding errors, too, where somebody looks at what the trial leaves out.
@@ -133,6 +136,7 @@ impl<P: Scalar> Vectors<P> {
             others => (others, None),
         };
         let mut sources = Sources::new();
+        sources.take(second.of_row().map(|(factor, from)| (factor, self.start(from).wrapping_add(span.start))));
         sources.take(momenta.others.iter().map(|(factor, from)| (*factor, self.start(*from).wrapping_add(at_momenta))));
         sources.take(others.iter().map(|(factor, from)| (*factor, self.start(*from).wrapping_add(span.start))));
         let to_start = self.start(to).wrapping_add(span.start);
@@ -198,20 +202,23 @@ impl<P: Scalar> Vectors<P> {
             for (number, component) in state.components.iter().enumerate() {
                 let mut sources = [(0.0, core::ptr::null::<P>()); TERMS];
                 let mut strides = [1; TERMS];
-                let moving = momenta.each().map(|(factor, from)| match self.vector(from) {
+                let of_momenta = |(factor, from): Term| match self.vector(from) {
                     Some(start) => (factor, start.wrapping_add(component.at + behind), 1),
                     None => {
                         let (start, stride) = self.momentum(component.at + behind, number, lent);
                         (factor, start, stride)
                     }
-                });
-                let own = terms.each().map(|(factor, from)| {
+                };
+                let own = |(factor, from): Term| {
                     let (start, stride) = self.place(from, component, lent);
                     (factor, start, stride)
-                });
+                };
+                let rows = momenta.of_row().map(of_momenta).chain(terms.of_row().map(own));
+                let others =
+                    momenta.others.iter().copied().map(of_momenta).chain(terms.others.iter().copied().map(own));
                 let (start, stride) = self.place(to, component, lent);
                 let (mut even, mut count) = (stride == 1, 0);
-                for (factor, from, stride) in moving.chain(own) {
+                for (factor, from, stride) in rows.chain(others) {
                     sources[count] = (factor, from.cast_const());
                     strides[count] = stride;
                     even &= stride == 1;
@@ -242,7 +249,9 @@ impl<P: Scalar> Vectors<P> {
 
     /// The state's component that is at this place of every vector.
     fn momentum(&self, at: usize, number: usize, lent: &[*mut P]) -> (*mut P, usize) {
-        let found = self.states.iter().filter_map(|state| state.components.get(number)).find(|other| other.at == at);
+        // Of a domain without rows every component is where the next one begins.
+        let states = self.states.iter().filter(|state| state.len > 0);
+        let found = states.filter_map(|state| state.components.get(number)).find(|other| other.at == at);
         found.map_or((core::ptr::null_mut(), 0), |component| self.place(Register::State, component, lent))
     }
 

@@ -253,7 +253,8 @@ impl<P: Scalar> System for Runner<'_, P> {
 
     fn evaluate_to(&mut self, to: Register, part: Part) {
         let Pipeline { programs, vectors, .. } = &*self.pipeline;
-        if !programs[Key::Evaluate(part).index()].moves_rates || !matches!(to, Register::Work(_)) {
+        let there = programs[Key::Evaluate(part).index()].rates == vectors.vector(Register::Rates);
+        if !there || !matches!(to, Register::Work(_)) {
             self.evaluate(part);
             return self.copy(to, Register::Rates, part);
         }

@@ -44,13 +44,13 @@ pub(crate) struct Vectors<P: Scalar> {
     state: Option<*mut P>,
     /// Where the vectors of registers begin: that of the state, or its image, or null; the rates; the integrator's own.
     starts: Vec<*mut P>,
-    /// Rates first, then the integrator's own, then what the state is less than meant, where laws look at that; then, where the
-    /// state is compensated, its rounding errors, and last, where there are no gaps, an image of the state.
+    /// Rates first, then the integrator's own; where the state is compensated, its rounding errors; what a trial is more than
+    /// meant, where laws look at that; and last, where there are no gaps, an image of the state.
     pub(crate) registers: Vec<Aligned<P>>,
     /// Whether rounding errors are kept.
     pub(crate) compensated: bool,
-    /// What the state is less than it was meant to be, where laws look at that, too: its rounding errors, or those of a trial.
-    /// Only where the state stands as a vector does.
+    /// What rounding added to the state as it is, where laws look at that, too: its rounding errors, or those of a trial. The
+    /// number that is meant is less by so much. Only where the state stands as a vector does.
     pub(crate) rests: Option<*mut P>,
     /// Whether components are staggered, with gaps between them.
     gaps: bool,
@@ -132,7 +132,7 @@ impl<P: Scalar> Vectors<P> {
         let filled = vec![false; held.len()];
         let momentum_behind = paired(&states, pipeline).then_some(ends[0]);
         let registers = in_one_block(count, if gaps { staggered::<P>(at) } else { at });
-        let rests = registers.get(1 + work).filter(|_| looks).map(Aligned::pointer);
+        let rests = registers.get(2 + work).filter(|_| looks).map(Aligned::pointer);
         let image = registers.last().filter(|_| !gaps).map_or(core::ptr::null_mut(), Aligned::pointer);
         let own = registers[..1 + work].iter().map(Aligned::pointer);
         let starts = [one.unwrap_or(image)].into_iter().chain(own).collect();
@@ -163,7 +163,7 @@ impl<P: Scalar> Vectors<P> {
         Some(self.registers.first()?.pointer().wrapping_add(at))
     }
 
-    /// What the components of a state are less than they were meant to be.
+    /// What rounding added to the components of a state as it is.
     pub(crate) fn rest(&self, quantity: QuantityId, component: usize) -> Option<*mut P> {
         let state = self.states.iter().find(|state| state.quantity == quantity)?;
         Some(self.rests?.wrapping_add(state.components.get(component)?.at))
@@ -220,29 +220,39 @@ impl<P: Scalar> Vectors<P> {
 
     /// Keeps the rounding errors of the state, or brings them back.
     pub(crate) fn errors_again(&mut self, back: bool) {
-        let behind = usize::from(!self.gaps);
-        let Some(errors) = self.registers.iter_mut().nth_back(behind).filter(|_| self.compensated) else { return };
+        let Some(errors) = self.registers.get_mut(1 + self.work).filter(|_| self.compensated) else { return };
         if back {
             errors.as_mut_slice().copy_from_slice(&self.kept_errors);
         } else {
             self.kept_errors.clear();
             self.kept_errors.extend_from_slice(errors.as_slice());
         }
-        self.look_at_errors(0..self.ends[2]);
+        self.look_at_errors(self.whole());
     }
 
     /// The rounding errors of the state.
     pub(crate) fn carry(&self) -> Option<*mut P> {
-        if self.compensated { self.last_but(usize::from(!self.gaps)) } else { None }
+        self.registers.get(1 + self.work).filter(|_| self.compensated).map(Aligned::pointer)
     }
 
     /// Where the numbers of the state are laid out as in a vector while they are summed; only where there are no gaps.
     pub(crate) fn image(&self) -> Option<*mut P> {
-        if self.gaps { None } else { self.last_but(0) }
+        self.registers.last().filter(|_| !self.gaps).map(Aligned::pointer)
     }
 
-    fn last_but(&self, number: usize) -> Option<*mut P> {
-        self.registers.iter().nth_back(number).map(Aligned::pointer)
+    /// The vectors that a run goes on from: rates, the integrator's own, rounding errors.
+    pub(crate) fn kept(&self) -> &[Aligned<P>] {
+        &self.registers[..1 + self.work + usize::from(self.compensated)]
+    }
+
+    /// The same, to be written; [`Vectors::look_at_errors`] afterwards.
+    pub(crate) fn kept_mut(&mut self) -> &mut [Aligned<P>] {
+        &mut self.registers[..1 + self.work + usize::from(self.compensated)]
+    }
+
+    /// All numbers of the state, and the gaps between them.
+    pub(crate) fn whole(&self) -> Range<usize> {
+        0..self.ends[2]
     }
 
     /// The numbers of a part, if they stand without gaps.
@@ -262,22 +272,17 @@ impl<P: Scalar> Vectors<P> {
 
     /// The state was changed from outside: its rounding errors are gone.
     pub(crate) fn forget_errors(&mut self) {
-        let behind = usize::from(!self.gaps);
-        if self.compensated
-            && let Some(errors) = self.registers.iter_mut().nth_back(behind)
-        {
+        if let Some(errors) = self.registers.get_mut(1 + self.work).filter(|_| self.compensated) {
             errors.as_mut_slice().fill(P::default());
         }
-        self.look_at_errors(0..self.ends[2]);
+        self.look_at_errors(self.whole());
     }
 }
 
 /// Zeros for so many vectors, one behind the other, so that what laws write to the place of one can go to that of another.
 fn in_one_block<P: Scalar>(count: usize, len: usize) -> Vec<Aligned<P>> {
-    let mut registers: Vec<Aligned<P>> = (0..count).map(|_| Aligned::zeros(len, 0)).collect();
     let mut block = Block::new(count * len);
-    registers.iter_mut().for_each(|register| block.take_in(register));
-    registers
+    (0..count).map(|_| block.zeros(len)).collect()
 }
 
 /// Moves the columns of a small state together, in the order of a vector: then sums go over the state itself, without an

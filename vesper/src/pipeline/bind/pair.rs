@@ -14,7 +14,7 @@ pub(crate) struct PairPass<P: Scalar> {
     pub(crate) kernel: Arc<dyn PairKernel<P>>,
     pub(crate) rows: usize,
     pub(crate) slots: Vec<*mut P>,
-    /// By slot, what a coordinate is less than it was meant to be, or null; none where the law does not look at that.
+    /// By slot, what rounding added to a coordinate, or null; none where the law does not look at that.
     pub(crate) rests: Vec<*mut P>,
     pub(crate) transfers: Vec<Transfer<P>>,
     pub(crate) packed: Vec<Aligned<P>>,
