@@ -22,10 +22,12 @@ use work_precision::{ode, ours};
 /// What the page begins with.
 const HEAD: &str = "# Beside others\n\nMade by `VESPER_PYTHON=.. cargo bench -- work_precision`, with a Python that has REBOUND: \
     the time that each takes to an error, between the settings that were run, on one core of a shared machine, by turns, medians \
-    of five turns, in each of which the shortest of three runs counts. Errors are the largest over all times and bodies, positions and velocities each by the case's scale.\n\nWith few \
+    of five turns, in each of which the shortest of three runs counts. Errors are the largest over all times and bodies, positions \
+    and velocities each by the case's scale.\n\nWith few \
     bodies the time goes to what an evaluation, or a sum of vectors, costs before anything is computed: laws are composed at run time, \
-    pass by pass, where the peers are compiled for this one problem. So the same method is a loss beside `ode_solvers`, diffsol and \
-    REBOUND's leapfrog, the more so the fewer the bodies are; methods that need fewer evaluations are not.\n\n";
+    pass by pass, where the peers are compiled for this one problem. So with three bodies the same method is a loss beside \
+    `ode_solvers`, diffsol and REBOUND's leapfrog, and with six it is not; methods that need fewer evaluations are no loss with \
+    three.\n\n";
 /// Errors at which times are compared.
 const LEVELS: [f64; 4] = [1e-6, 1e-9, 1e-11, 1e-12];
 /// The error for methods that come to none of these.
