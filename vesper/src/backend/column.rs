@@ -13,7 +13,7 @@ pub(crate) trait ColumnKernel<P: Scalar>: Send + Sync {
 
 /// Makes a column law runnable.
 pub fn column<P: Scalar, F: ColumnFamily>(law: &F) -> Compiled<P> {
-    const { assert!(!F::SIGNATURE.translation_invariant, "translation_invariant is said by laws of pairs alone") };
+    const { super::says_nothing_of_pairs(&F::SIGNATURE) };
     Compiled {
         signature: F::SIGNATURE,
         energy: false,

@@ -55,7 +55,7 @@ pub(crate) trait LinkKernel<P>: Send + Sync {
 pub fn link<P: Scalar, F: LinkFamily<N>, const N: usize>(law: &F) -> Compiled<P> {
     const {
         assert!(slot_count(F::SIGNATURE.ports) <= MAX_SLOTS, "a law touches at most 64 numbers");
-        assert!(!F::SIGNATURE.translation_invariant, "translation_invariant is said by laws of pairs alone");
+        super::says_nothing_of_pairs(&F::SIGNATURE);
         let arity = match F::SIGNATURE.link {
             Some(link) => link.kind.width(),
             None => N,

@@ -40,6 +40,12 @@ pub(crate) const fn block<P>(bytes: usize) -> usize {
     of_each / size_of::<P>()
 }
 
+/// Stops the compiler at a law that is not of pairs, and says what only those can.
+const fn says_nothing_of_pairs(signature: &Signature) {
+    let word = signature.translation_invariant;
+    assert!(!word, "`translation_invariant` is for laws of pairs: leave the word out");
+}
+
 /// A law whose body is known. Implemented by `#[kernel]`.
 #[diagnostic::on_unimplemented(
     message = "law `{Self}` has no kernel",

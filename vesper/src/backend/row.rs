@@ -58,7 +58,7 @@ pub(crate) trait RowKernel<P>: Send + Sync {
 
 /// Makes the loop of a row law.
 pub fn row<P: Scalar, F: RowFamily>(law: &F) -> Compiled<P> {
-    const { assert!(!F::SIGNATURE.translation_invariant, "translation_invariant is said by laws of pairs alone") };
+    const { super::says_nothing_of_pairs(&F::SIGNATURE) };
     Compiled {
         signature: F::SIGNATURE,
         energy: F::ENERGY,

@@ -77,7 +77,7 @@ pub(super) struct Sum<'a, P> {
     pub(super) count: usize,
     /// Summed first.
     pub(super) row: Row<'a, P>,
-    /// Summed behind them.
+    /// Summed behind it.
     pub(super) sources: &'a [(f64, *const P)],
 }
 
