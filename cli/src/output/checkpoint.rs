@@ -10,7 +10,7 @@ use vesper::prelude::Checkpoint;
 use crate::reader::Reader;
 
 /// The format; another number is another one.
-const VERSION: u64 = 4;
+const VERSION: u64 = 5;
 
 /// A checkpoint as JSON.
 pub fn to_json(checkpoint: &Checkpoint) -> Value {
@@ -144,7 +144,7 @@ mod tests {
         let text = to_json(&example()).to_string();
         let cases = [
             ("{", "it is no JSON"),
-            ("{}", "it is no checkpoint of version 4"),
+            ("{}", "it is no checkpoint of version 5"),
             (&text.replace("\"steps\":", "\"stps\":"), "expected `steps` at its root"),
             (&text.replace("\"filled\":[true", "\"filled\":[1"), "expected true or false at /filled/.."),
             (&text.replace("[[1.5,", "[[null,"), "expected a finite number at /registers/../.."),

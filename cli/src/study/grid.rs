@@ -154,7 +154,9 @@ impl Grid {
                     let kept = Method { compensated: true, ..plain };
                     let done = climb.up(plain, 0).and_then(|floor| match floor {
                         _ if self.compensated => climb.up(kept, 0),
-                        Some(rung) if !(integrator.make)(&|_, usual| usual).compensates() => climb.up(kept, rung),
+                        Some(rung) if !(integrator.make)(&|_, usual| usual).compensates(f64::EPSILON) => {
+                            climb.up(kept, rung)
+                        }
                         _ => Ok(None),
                     });
                     if let Err(reason) = done {

@@ -31,7 +31,7 @@ fn fitted(
         let step = 4.0 * end / f64::from(steps);
         let builder = problem.setup(Engine::<f64>::builder()).compensated();
         let mut engine = builder.integrator(integrator.clone()).step(step).build().unwrap();
-        let grows = integrator.is_adaptive() && !integrator.compensates();
+        let grows = integrator.is_adaptive() && !integrator.compensates(f64::EPSILON);
         let error = (0..steps).fold(0.0, |worst, _| {
             if grows {
                 // Whoever touches the state makes it begin anew, with the step that it was given.

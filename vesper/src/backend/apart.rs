@@ -8,7 +8,7 @@
 //! Sums are taken in the order of [`super::pair`], so the bits do not depend on the width of the lanes.
 
 use super::pair::{PairCall, Task};
-use super::pointers::{FewRows, Slots, Splat, Sums};
+use super::pointers::{Rows, Slots, Splat, Sums};
 use super::within::Within;
 use crate::law::{Declared, Mode, PairFamily, PairLaw, Place, Port, Source};
 use crate::property::Role;
@@ -55,16 +55,16 @@ impl<P: Scalar, F: PairFamily> Apart<'_, P, F> {
     const MASK: u64 = coordinate_slots(F::SIGNATURE.ports);
 
     #[inline(always)]
-    fn own<R: Lanes<P>>(&self, slots: &Slots<P>, i: usize, count: usize) -> (RowOf<F, R>, Own<R>) {
+    fn own<R: Lanes<P>>(&self, slots: &Slots<P>, i: usize) -> (RowOf<F, R>, Own<R>) {
         // SAFETY: `Task::new` was promised the rows; the same for all blocks here.
-        let rows = unsafe { FewRows::<P>::new(slots, i, count) };
+        let rows = unsafe { Rows::<P>::new(slots, i) };
         let mut own = Own { places: [R::lit(0.0); COORDINATES], rests: [R::lit(0.0); COORDINATES] };
         for (slot, rest) in self.0.call.rests[..Task::<P, F>::COUNT].iter().enumerate() {
             if Self::MASK >> slot & 1 == 1 {
                 let coordinate = number(Self::MASK, slot);
                 own.places[coordinate] = rows.component(slot);
                 // SAFETY: as above; coordinates have rests.
-                own.rests[coordinate] = unsafe { R::load_first(rest.add(i), count) };
+                own.rests[coordinate] = unsafe { R::load(rest.add(i)) };
             }
         }
         let source = Within::<_, F>::new(AtZero { rows, mask: Self::MASK });
@@ -106,7 +106,7 @@ impl<P: Scalar, F: PairFamily> Apart<'_, P, F> {
     /// What all other rows do to `count` rows, at most as many as there are lanes.
     #[inline(always)]
     fn block<R: Lanes<P>>(&self, law: &F::Kernel<R>, slots: &Slots<P>, i: usize, count: usize) {
-        let (row_i, own) = self.own::<R>(slots, i, count);
+        let (row_i, own) = self.own::<R>(slots, i);
         let mut sums = Sums::zero(Task::<P, F>::FIRST);
         self.others(law, slots, (row_i, &own), &mut sums, 0..i);
         // How far the row of each lane is behind row j: in one lane i is j, and that lane's sum stays as it is.
@@ -117,7 +117,7 @@ impl<P: Scalar, F: PairFamily> Apart<'_, P, F> {
             sums.take_but(itself, &self.share(law, slots, (row_i, &own), j), Task::<P, F>::ADDED);
         }
         self.others(law, slots, (row_i, &own), &mut sums, i + count..self.0.call.rows);
-        self.0.give(slots, i, &sums, count);
+        self.0.give(slots, i, &sums);
     }
 }
 
@@ -136,8 +136,11 @@ impl<P: Scalar, F: PairFamily> WithLanes<P> for Apart<'_, P, F> {
             self.block::<R>(&law, &slots, i, count);
             i += count;
         }
-        if i < to {
+        // Behind one row alone there is no room for more.
+        if to - i > 1 {
             self.block::<R::Narrow>(&self.0.law.kernel::<R::Narrow>(), &slots, i, to - i);
+        } else if i < to {
+            self.block::<P>(&self.0.law.kernel::<P>(), &slots, i, 1);
         }
     }
 }
@@ -160,8 +163,8 @@ pub(super) unsafe fn is_invariant<P: Scalar, F: PairFamily>(law: &F, call: &Pair
     let rows = call.rows.min(LOOKED_AT);
     let mut pairs = (0..rows).flat_map(|i| (0..rows).map(move |j| (i, j))).filter(|(i, j)| i != j);
     pairs.all(|(i, j)| {
-        let (row, own) = apart.own::<P>(&slots, i, 1);
-        let (_, other) = apart.own::<P>(&slots, j, 1);
+        let (row, own) = apart.own::<P>(&slots, i);
+        let (_, other) = apart.own::<P>(&slots, j);
         let largest = |numbers: &mut dyn Iterator<Item = P>| {
             numbers.fold(0.0, |most, number| f64::max(most, number.to_f64().abs()))
         };
@@ -174,7 +177,7 @@ pub(super) unsafe fn is_invariant<P: Scalar, F: PairFamily>(law: &F, call: &Pair
         }
         let moved = |row: usize| {
             // SAFETY: passed on to the caller.
-            let rows = unsafe { FewRows::<P>::new(&slots, row, 1) };
+            let rows = unsafe { Rows::<P>::new(&slots, row) };
             let source = Moved { rows, mask: Apart::<P, F>::MASK, by: distance };
             <F::Kernel<P> as Declared<P>>::load(&Within::<_, F>::new(source))
         };
@@ -197,7 +200,7 @@ struct Moved<S> {
     by: f64,
 }
 
-impl<P: Scalar> Source<P> for Moved<FewRows<'_, P>> {
+impl<P: Scalar> Source<P> for Moved<Rows<'_, P>> {
     fn wants(&self, _port: usize) -> bool {
         true
     }
@@ -220,7 +223,7 @@ struct AtZero<S> {
     mask: u64,
 }
 
-impl<P: Scalar, R: Lanes<P>> Source<R> for AtZero<FewRows<'_, P>> {
+impl<P: Scalar, R: Lanes<P>> Source<R> for AtZero<Rows<'_, P>> {
     #[inline(always)]
     fn wants(&self, _port: usize) -> bool {
         true

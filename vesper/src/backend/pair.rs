@@ -5,8 +5,8 @@
 
 use super::apart::{self, Apart, coordinate_slots};
 use super::pointers::{
-    FewRows, MAX_SLOTS, RateRule, Rows, RowsMut, SUMS, Slots, Splat, StoreAll, StoreFirst, Sums, first_output,
-    slot_count, slots_at,
+    MAX_SLOTS, RateRule, Rows, RowsMut, SUMS, Slots, Splat, StoreAll, StoreFirst, Sums, first_output, slot_count,
+    slots_at,
 };
 use super::tangent::{self, TangentCall};
 use super::within::Within;
@@ -34,8 +34,9 @@ pub(crate) struct PairCall<'a, P> {
 /// A pair law with its loop.
 pub(crate) trait PairKernel<P>: Send + Sync {
     /// # Safety
-    /// Every slot is null where its port is absent, or points to `rows` numbers (one for a constant) that are valid, and so do
-    /// rests, as many as slots or none; nobody else touches rows `from..to` of what the law adds to.
+    /// Every slot is null where its port is absent, or points to `rows` numbers (one for a constant) that are valid, with
+    /// room behind them ([`crate::column::whole`]), and so do rests, as many as slots or none; nobody else touches rows `from..to`
+    /// of what the law adds to, or that room. Only the last call ends between multiples of the lanes.
     unsafe fn run(&self, isa: Isa, call: &PairCall<'_, P>);
     /// Whether the law gives the same where it is told differences of coordinates only, as it says.
     ///
@@ -148,35 +149,30 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
     #[inline(always)]
     fn sum<R: Lanes<P>>(&self, law: &F::Kernel<R>, slots: &Slots<P>, i: usize, count: usize) {
         // SAFETY: `Task::new` was promised the rows; the same for all blocks here.
-        let source = Within::<_, F>::new(unsafe { FewRows::<P>::new(slots, i, count) });
+        let source = Within::<_, F>::new(unsafe { Rows::<P>::new(slots, i) });
         let row_i = <F::Kernel<R> as Declared<R>>::load(&source);
         let mut sums = Sums::zero(Self::FIRST);
         Self::sum_others(law, slots, row_i, &mut sums, 0..i);
         Self::sum_own(law, slots, row_i, &mut sums, i..i + count);
         Self::sum_others(law, slots, row_i, &mut sums, i + count..self.call.rows);
-        self.give(slots, i, &sums, count);
+        self.give(slots, i, &sums);
     }
 
-    /// Adds sums to the columns of `count` rows, or begins the columns with them.
+    /// Adds sums to the columns of the rows of the lanes, or begins the columns with them.
     #[inline(always)]
-    pub(super) fn give<R: Lanes<P>>(&self, slots: &Slots<P>, i: usize, sums: &Sums<R>, count: usize) {
+    pub(super) fn give<R: Lanes<P>>(&self, slots: &Slots<P>, i: usize, sums: &Sums<R>) {
         if self.call.first {
-            Self::give_by::<R, StoreFirst>(slots, i, sums, count);
+            Self::give_by::<R, StoreFirst>(slots, i, sums);
         } else {
-            Self::give_by::<R, StoreAll>(slots, i, sums, count);
+            Self::give_by::<R, StoreAll>(slots, i, sums);
         }
     }
 
     #[inline(always)]
-    fn give_by<R: Lanes<P>, Rule: RateRule>(slots: &Slots<P>, i: usize, sums: &Sums<R>, count: usize) {
+    fn give_by<R: Lanes<P>, Rule: RateRule>(slots: &Slots<P>, i: usize, sums: &Sums<R>) {
         for (k, sum) in sums.values[..Self::ADDED].iter().enumerate() {
-            if count == R::WIDTH {
-                // SAFETY: `Task::new` was promised the rows.
-                unsafe { RowsMut::<P, R, Rule, false>::new(slots, i, R::lit(0.0)) }.add(Self::FIRST + k, *sum);
-            } else {
-                // SAFETY: as above.
-                unsafe { RowsMut::<P, R, Rule, true>::few(slots, i, count, R::lit(0.0)) }.add(Self::FIRST + k, *sum);
-            }
+            // SAFETY: `Task::new` was promised the rows.
+            unsafe { RowsMut::<P, R, Rule>::new(slots, i, R::lit(0.0)) }.add(Self::FIRST + k, *sum);
         }
     }
 
@@ -263,6 +259,6 @@ impl<P: Scalar, F: PairFamily> Task<'_, P, F> {
             let row_j = <F::Kernel<P> as Declared<P>>::load(&Within::<_, F>::new(unsafe { Rows::<P>::new(slots, j) }));
             <F::Kernel<P> as Declared<P>>::store(law.pair(row_i, row_j), &mut sums);
         }
-        self.give(slots, i, &sums, 1);
+        self.give(slots, i, &sums);
     }
 }

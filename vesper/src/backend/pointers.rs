@@ -140,48 +140,6 @@ impl<P: Scalar, R: Lanes<P>> Source<R> for Rows<'_, P> {
     }
 }
 
-/// `count` neighbouring rows from `row` on. Where they do not fill the lanes, the rest is 0.
-pub(crate) struct FewRows<'a, P> {
-    slots: &'a Slots<P>,
-    row: usize,
-    count: usize,
-}
-
-impl<'a, P> FewRows<'a, P> {
-    /// # Safety
-    /// Every slot is null, or points to numbers of rows `row..row + count`, or, for a constant, to one number, or, for a uniform
-    /// field, to `MAX_WIDTH` equal ones; they stay valid for `'a`. There are at most as many rows as lanes.
-    #[inline(always)]
-    pub(crate) unsafe fn new(slots: &'a Slots<P>, row: usize, count: usize) -> Self {
-        FewRows { slots, row, count }
-    }
-}
-
-impl<P: Scalar, R: Lanes<P>> Source<R> for FewRows<'_, P> {
-    #[inline(always)]
-    fn wants(&self, _port: usize) -> bool {
-        true
-    }
-    #[inline(always)]
-    fn has(&self, slot: usize) -> bool {
-        !self.slots.pointers[slot].is_null()
-    }
-    #[inline(always)]
-    fn component(&self, slot: usize) -> R {
-        // SAFETY: `new` was promised the rows.
-        unsafe { R::load_first(self.slots.pointers[slot].add(self.row), self.count) }
-    }
-    #[inline(always)]
-    fn constant(&self, slot: usize) -> R {
-        R::splat(self.slots.numbers[slot])
-    }
-    #[inline(always)]
-    fn field(&self, slot: usize) -> R {
-        // SAFETY: as above.
-        unsafe { R::load_first(self.slots.pointers[slot].add(row_of(self.row, self.slots.uniform, slot)), self.count) }
-    }
-}
-
 /// One row, the same in every lane.
 pub(crate) struct Splat<'a, P> {
     slots: &'a Slots<P>,
@@ -247,41 +205,28 @@ rate_rules! {
     AdvanceMomenta Momenta true false false, KickDrift Momenta true false true,
 }
 
-/// `R::WIDTH` neighbouring rows from `row` on, or, with `FEW`, `count` of them, to write.
-pub(crate) struct RowsMut<'a, P, R, Rule, const FEW: bool> {
+/// `R::WIDTH` neighbouring rows from `row` on, to write.
+pub(crate) struct RowsMut<'a, P, R, Rule> {
     slots: &'a Slots<P>,
     row: usize,
-    count: usize,
     step: R,
     rule: PhantomData<Rule>,
 }
 
-impl<'a, P, R, Rule> RowsMut<'a, P, R, Rule, false> {
+impl<'a, P, R, Rule> RowsMut<'a, P, R, Rule> {
     /// # Safety
     /// As for [`Rows::new`], and every slot that is written points to numbers that nobody else touches.
     #[inline(always)]
     pub(crate) unsafe fn new(slots: &'a Slots<P>, row: usize, step: R) -> Self {
-        RowsMut { slots, row, count: 0, step, rule: PhantomData }
+        RowsMut { slots, row, step, rule: PhantomData }
     }
 }
 
-impl<'a, P, R, Rule> RowsMut<'a, P, R, Rule, true> {
-    /// # Safety
-    /// As for [`FewRows::new`], and every slot that is written points to numbers that nobody else touches.
-    #[inline(always)]
-    pub(crate) unsafe fn few(slots: &'a Slots<P>, row: usize, count: usize, step: R) -> Self {
-        RowsMut { slots, row, count, step, rule: PhantomData }
-    }
-}
-
-impl<P: Scalar, R: Lanes<P>, Rule: RateRule, const FEW: bool> Sink<R> for RowsMut<'_, P, R, Rule, FEW> {
+impl<P: Scalar, R: Lanes<P>, Rule: RateRule> Sink<R> for RowsMut<'_, P, R, Rule> {
     #[inline(always)]
     fn set(&mut self, slot: usize, value: R) {
-        // SAFETY: `new` was promised the rows, or `few`.
-        unsafe {
-            let to = self.slots.pointers[slot].add(self.row);
-            if FEW { value.store_first(to, self.count) } else { value.store(to) }
-        }
+        // SAFETY: `new` was promised the rows.
+        unsafe { value.store(self.slots.pointers[slot].add(self.row)) };
     }
     #[inline(always)]
     fn add(&mut self, slot: usize, value: R) {
@@ -289,10 +234,7 @@ impl<P: Scalar, R: Lanes<P>, Rule: RateRule, const FEW: bool> Sink<R> for RowsMu
             return self.set(slot, value);
         }
         // SAFETY: as above.
-        let before = unsafe {
-            let to = self.slots.pointers[slot].add(self.row);
-            if FEW { R::load_first(to, self.count) } else { R::load(to) }
-        };
+        let before = unsafe { R::load(self.slots.pointers[slot].add(self.row)) };
         self.set(slot, before + value);
     }
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! The loop of a row law: block by block, lanes first, then the rows that are left one by one.
 
 use super::pointers::{
-    AdvanceAll, AdvanceCoordinates, AdvanceMomenta, FewRows, KickDrift, RateRule, Rows, RowsMut, Slots, StoreAll,
+    AdvanceAll, AdvanceCoordinates, AdvanceMomenta, KickDrift, RateRule, Rows, RowsMut, Slots, StoreAll,
     StoreCoordinates, StoreFirst, StoreMomenta, slot_count, slots_at, wants,
 };
 use super::tangent::{self, TangentCall};
@@ -41,8 +41,8 @@ pub(crate) const AHEAD: usize = 2;
 /// A row law with its loop.
 pub(crate) trait RowKernel<P>: Send + Sync {
     /// # Safety
-    /// Every slot is null where its port is absent, or points to `rows` numbers (one for a constant) that are valid,
-    /// and that nobody else touches where the port writes.
+    /// Every slot is null where its port is absent, or points to `rows` numbers (one for a constant) that are valid, with
+    /// room behind them ([`crate::column::whole`]), and that nobody else touches where the port writes.
     unsafe fn run(&self, isa: Isa, call: &RowCall<'_, P>);
     /// Runs the body over dual numbers.
     ///
@@ -196,25 +196,8 @@ impl<P: Scalar, F: RowFamily, Rule: RateRule, const UNIFORM: bool> Task<'_, P, F
     #[inline(always)]
     fn part<R: Lanes<P>, Part: RateRule>(law: &F::Kernel<R>, slots: &Slots<P>, row: usize, step: R) {
         // SAFETY: `Task::new` was promised the rows; all loads of a row come before its stores.
-        let (rows, sink) = unsafe { (Rows::new(slots, row), RowsMut::<P, R, Part, false>::new(slots, row, step)) };
+        let (rows, sink) = unsafe { (Rows::new(slots, row), RowsMut::<P, R, Part>::new(slots, row, step)) };
         Self::body::<R, Part>(law, rows, sink);
-    }
-
-    /// The last rows, which do not fill the lanes.
-    #[inline(always)]
-    fn few<R: Lanes<P>>(&self, slots: &Slots<P>, row: usize, steps: [P; 2]) {
-        let law = self.law.kernel::<R>();
-        let [step, drift] = steps.map(R::splat);
-        let count = self.call.rows - row;
-        // SAFETY: as above.
-        let rows = || unsafe { FewRows::new(slots, row, count) };
-        // SAFETY: as above.
-        Self::body::<R, Rule>(&law, rows(), unsafe { RowsMut::<P, R, Rule, true>::few(slots, row, count, step) });
-        if Rule::DRIFT {
-            // SAFETY: as above.
-            let sink = unsafe { RowsMut::<P, R, AdvanceCoordinates, true>::few(slots, row, count, drift) };
-            Self::body::<R, AdvanceCoordinates>(&law, rows(), sink);
-        }
     }
 
     #[inline(always)]
@@ -262,10 +245,11 @@ impl<P: Scalar, F: RowFamily, Rule: RateRule, const UNIFORM: bool> WithLanes<P> 
         // Lanes that are more than half full are faster than one row after the other, whatever a body takes.
         let left = rows - row;
         if 2 * left > R::WIDTH && R::WIDTH > 1 {
-            return self.few::<R>(&slots, row, steps);
+            return Self::step::<R>(&self.law.kernel::<R>(), &slots, row, steps.map(R::splat));
         }
         if 2 * left > <R::Narrow as Lanes<P>>::WIDTH && <R::Narrow as Lanes<P>>::WIDTH > 1 {
-            return self.few::<R::Narrow>(&slots, row, steps);
+            let (law, steps) = (self.law.kernel::<R::Narrow>(), steps.map(<R::Narrow as Lanes<P>>::splat));
+            return Self::step::<R::Narrow>(&law, &slots, row, steps);
         }
         let law = self.law.kernel::<P>();
         while row < rows {

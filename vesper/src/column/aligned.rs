@@ -1,5 +1,8 @@
 //! Memory of one component of an owned column: aligned to the cache line, and staggered, so that blocks of the ten
 //! columns that a law reads spread over all sets of the cache.
+//!
+//! Behind the last number there is room for the rest of a register ([`whole`]): loops take the last rows as they take all others,
+//! and leave anything there.
 
 use core::alloc::Layout;
 use core::ptr::NonNull;
@@ -16,6 +19,19 @@ const STAGGER: usize = 39;
 /// Whether so many numbers are worth staggering: an eighth of the sets of the first cache.
 pub(crate) const fn is_long<P>(len: usize) -> bool {
     len >= SETS / 8 * (CACHE_LINE / size_of::<P>())
+}
+
+/// Numbers with those behind them that loops may touch: where the last ones do not fill a line, half a line or a whole one, the
+/// widest registers that hold them. One number alone is taken alone.
+pub(crate) const fn whole<P>(len: usize) -> usize {
+    let line = CACHE_LINE / size_of::<P>();
+    let over = len % line;
+    let room = match over {
+        0 | 1 => over,
+        _ if over <= line / 2 => line / 2,
+        _ => line,
+    };
+    len - over + room
 }
 
 /// From one component to the next in a vector of several long ones: whole lines, of which few neighbours share a set.
@@ -72,7 +88,7 @@ impl<P: Copy + Default> Aligned<P> {
     /// Keeps the first numbers, adds zeros.
     pub(crate) fn resize(&mut self, len: usize) {
         if len > self.capacity {
-            let capacity = len.max(self.capacity * 2);
+            let capacity = whole::<P>(len.max(self.capacity * 2));
             let lead = self.lead(capacity);
             let layout = Self::layout(capacity.saturating_add(lead));
             // SAFETY: the layout is not empty, because `len > 0`.
@@ -139,7 +155,7 @@ impl<P: Copy + Default> Clone for Aligned<P> {
     }
 }
 
-/// Memory that arrays move into, one behind the other: then all of them are one array, too.
+/// Memory that arrays move into, one behind the other, with room behind each ([`whole`]): then all of them are one array, too.
 pub(crate) struct Block<P> {
     numbers: Arc<Aligned<P>>,
     taken: usize,
@@ -162,37 +178,38 @@ impl<P: Copy + Default> Block<P> {
 
     /// Moves an array in. One that grows later moves out again.
     pub(crate) fn take_in(&mut self, array: &mut Aligned<P>) {
-        assert!(array.len <= self.numbers.len - self.taken, "a block has room for the arrays that it was made for");
+        let room = self.numbers.len - self.taken;
+        assert!(whole::<P>(array.len) <= room, "a block has room for the arrays that it was made for");
         // SAFETY: the block has room for the numbers from there on, and nobody else has that part of it.
         let start = unsafe { self.numbers.start.add(self.taken) };
         // SAFETY: both have `len` numbers; the array is not in this block yet, since its place is behind all that are.
         unsafe { start.copy_from_nonoverlapping(array.start, array.len) };
         array.free();
-        self.taken += array.len;
+        self.taken += whole::<P>(array.len);
         (array.start, array.capacity, array.lead, array.block) = (start, array.len, 0, Some(self.numbers.clone()));
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Aligned, Block};
+    use super::{Aligned, Block, whole};
 
     #[test]
     fn arrays_in_a_block_are_one_array_until_they_grow() {
         let mut arrays = [2, 0, 3].map(|len| Aligned::<f64>::zeros(len, 1));
         arrays[0].as_mut_slice().copy_from_slice(&[1.0, 2.0]);
         arrays[2].as_mut_slice().copy_from_slice(&[3.0, 4.0, 5.0]);
-        let mut block = Block::new(5);
+        let mut block = Block::new(8);
         arrays.iter_mut().for_each(|array| block.take_in(array));
         drop(block);
         // SAFETY: the arrays keep the block, and no slice of them is there.
-        let all = unsafe { core::slice::from_raw_parts(arrays[0].pointer(), 5) };
-        assert_eq!(all, [1.0, 2.0, 3.0, 4.0, 5.0]);
+        let all = unsafe { core::slice::from_raw_parts(arrays[0].pointer(), 8) };
+        assert_eq!(all, [1.0, 2.0, 0.0, 0.0, 3.0, 4.0, 5.0, 0.0]);
         let [mut first, _, last] = arrays;
         first.resize(4);
         first.as_mut_slice().fill(7.0);
         assert_eq!((last.as_slice(), last.clone().as_slice()), ([3.0, 4.0, 5.0].as_slice(), last.as_slice()));
-        let mut again = Block::new(9);
+        let mut again = Block::new(10);
         let zeros = again.zeros(2);
         [first, last].iter_mut().for_each(|array| again.take_in(array));
         assert_eq!(zeros.as_slice(), [0.0; 2]);
@@ -218,6 +235,15 @@ mod tests {
         numbers.as_mut_slice()[1] = 2.0;
         // SAFETY: no resize since the pointer was taken.
         assert_eq!(unsafe { *pointer.add(1) }, 2.0);
+    }
+
+    #[test]
+    fn behind_the_last_number_is_room_for_the_rest_of_a_register() {
+        for (len, doubles, singles) in [(0, 0, 0), (1, 1, 1), (2, 4, 8), (4, 4, 8), (5, 8, 8), (9, 9, 16), (11, 12, 16)]
+        {
+            assert_eq!((whole::<f64>(len), whole::<f32>(len)), (doubles, singles), "{len}");
+            assert!(Aligned::<f64>::zeros(len, 0).capacity >= doubles);
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@ mod aligned;
 mod lent;
 mod values;
 
-pub(crate) use aligned::{Aligned, Block, is_long, staggered};
+pub(crate) use aligned::{Aligned, Block, is_long, staggered, whole};
 pub(crate) use lent::LentMemory;
 pub use lent::{Lent, Memory, RawRows};
 pub use values::Values;

@@ -211,7 +211,7 @@ impl<P: Scalar> Engine<P> {
         let (time, step) = (self.time(), self.steps);
         let shared = (self.laws.as_slice(), self.chains.as_slice(), &self.machine);
         with_runner(&mut self.pipeline, &self.state, shared, (time, step), |runner| {
-            runner.context.watch = Some(Arc::clone(&watch));
+            runner.set_watch(Arc::clone(&watch));
             runner.evaluate(Part::All);
         })
         .ok()?;

@@ -90,7 +90,7 @@ impl<P: Scalar> Engine<P> {
             origin: self.state.origin.map_or(Vec::new(), |origin| origin.numbers()),
             memory: if self.touched || self.stale { Vec::new() } else { self.integrator.memory() },
             domains: (0..self.state.domains().len()).map(|domain| self.domain_data(domain)).collect(),
-            registers: vectors.kept().iter().map(numbers).collect(),
+            registers: vectors.kept().iter().map(|array| vectors.packed(array)).collect(),
             held: vectors
                 .held
                 .iter()
@@ -158,13 +158,15 @@ impl<P: Scalar> Engine<P> {
         self.touched = false;
         let vectors = &mut self.pipeline.vectors;
         let mut whole = vectors.kept().len() == checkpoint.registers.len();
+        for (register, numbers) in checkpoint.registers.iter().enumerate().take(vectors.kept().len()) {
+            whole &= vectors.unpack(register, numbers);
+        }
         let mut fill = |array: &mut Aligned<P>, numbers: &[f64]| {
             whole &= array.as_slice().len() == numbers.len();
             for (number, value) in array.as_mut_slice().iter_mut().zip(numbers) {
                 *number = P::from_f64(*value);
             }
         };
-        vectors.kept_mut().iter_mut().zip(&checkpoint.registers).for_each(|(array, numbers)| fill(array, numbers));
         let held = vectors.held.iter_mut().flat_map(|(_, shares)| shares.iter_mut().map(|(_, share)| share));
         held.zip(checkpoint.held.iter().flatten()).for_each(|(array, numbers)| fill(array, numbers));
         vectors.look_at_errors(vectors.whole());

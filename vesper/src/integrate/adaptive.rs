@@ -23,6 +23,11 @@ impl Tolerance {
         Tolerance { relative, absolute: 0.0 }
     }
 
+    /// Whether the rounding errors of a state of this precision are more than a millionth of it: then it is worth to keep them.
+    pub(super) fn comes_near(&self, epsilon: f64) -> bool {
+        self.relative < 1e6 * epsilon
+    }
+
     /// The largest ratio of an error to what is allowed; infinite where a number is none. `magnitude` makes one number of
     /// the errors.
     pub(super) fn excess<const N: usize>(

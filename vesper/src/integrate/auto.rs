@@ -49,8 +49,8 @@ impl Integrator for Auto {
     fn set_first_step(&mut self, step: f64) {
         self.chosen.set_first_step(step);
     }
-    fn compensates(&self) -> bool {
-        self.chosen.compensates()
+    fn compensates(&self, epsilon: f64) -> bool {
+        self.chosen.compensates(epsilon)
     }
     fn rotates(&self) -> bool {
         self.chosen.rotates()

@@ -113,7 +113,7 @@ impl Integrator for GaussRadau15 {
         self.steps.first = Some(step);
     }
 
-    fn compensates(&self) -> bool {
+    fn compensates(&self, _epsilon: f64) -> bool {
         true
     }
 

@@ -144,8 +144,9 @@ pub trait Integrator: Send {
     }
     /// The first step to try, in s, where it is adaptive and has no better one.
     fn set_first_step(&mut self, _step: f64) {}
-    /// Whether the rounding errors of the state are to be kept and added back, whatever the builder says.
-    fn compensates(&self) -> bool {
+    /// Whether the rounding errors of the state are to be kept and added back, whatever the builder says. `epsilon`: the distance
+    /// from 1 to the next number of the state's precision.
+    fn compensates(&self, _epsilon: f64) -> bool {
         false
     }
     /// Whether it asks for what turns momenta apart from their other rates.

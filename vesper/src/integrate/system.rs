@@ -14,6 +14,18 @@ pub enum Register {
     Work(usize),
 }
 
+impl Register {
+    /// Its number among all.
+    #[inline(always)]
+    pub(crate) const fn number(self) -> usize {
+        match self {
+            Register::State => 0,
+            Register::Rates => 1,
+            Register::Work(number) => number.saturating_add(2),
+        }
+    }
+}
+
 /// A vector with its factor.
 pub type Term = (f64, Register);
 

@@ -46,20 +46,7 @@ enum BlockOp<P: Scalar> {
         /// Where the field has some.
         regions: Option<RegionsAt<P>>,
     },
-    Law {
-        law: usize,
-        kernel: Arc<dyn RowKernel<P>>,
-        slots: Range<usize>,
-        /// Which of them are of a uniform field: one set of lanes; a bit each.
-        uniform: u64,
-        part: Part,
-        advance: Option<usize>,
-        /// The stage of the coordinates, where the same loop advances them after the momenta.
-        drift: Option<usize>,
-        energy: bool,
-        /// Whether the sums it adds to begin with it.
-        first: bool,
-    },
+    Law(BlockLaw<P>),
     /// All laws of a chain in one loop.
     Fused {
         chain: usize,
@@ -68,6 +55,38 @@ enum BlockOp<P: Scalar> {
         momenta: Option<usize>,
         coordinates: Option<usize>,
     },
+}
+
+/// A row law in a group.
+struct BlockLaw<P: Scalar> {
+    law: usize,
+    kernel: Arc<dyn RowKernel<P>>,
+    slots: Range<usize>,
+    /// Which of them are of a uniform field: one set of lanes; a bit each.
+    uniform: u64,
+    part: Part,
+    advance: Option<usize>,
+    /// The stage of the coordinates, where the same loop advances them after the momenta.
+    drift: Option<usize>,
+    energy: bool,
+    /// Whether the sums it adds to begin with it.
+    first: bool,
+}
+
+impl<P: Scalar> BlockLaw<P> {
+    /// The call of its kernel on a block.
+    #[inline(always)]
+    fn on<'a>(
+        &self,
+        rows: usize,
+        pointers: &'a [*mut P],
+        ahead: [*const P; AHEAD],
+        context: &Context<'_, P>,
+    ) -> RowCall<'a, P> {
+        let [advance, drift] = [self.advance, self.drift].map(|stage| stage.map(|stage| context.steps[stage]));
+        let BlockLaw { uniform, part, first, .. } = *self;
+        RowCall { slots: &pointers[self.slots.clone()], uniform, rows, part, advance, drift, first, ahead }
+    }
 }
 
 /// The memory of one thread.
@@ -123,7 +142,16 @@ impl<P: Scalar> Group<P> {
             let mut energy = 0.0;
             for op in &*ops {
                 // SAFETY: passed on to the caller; the pointers are those of the only block.
-                energy += unsafe { run_op(context, op, 0..*rows, &desk.pointers, ahead) };
+                energy += unsafe {
+                    match op {
+                        BlockOp::Law(call) if !call.energy && context.is_unwatched() => {
+                            let isa = context.isa.for_few::<P>(*rows);
+                            call.kernel.run(isa, &call.on(*rows, &desk.pointers, ahead, context));
+                            0.0
+                        }
+                        _ => run_op(context, op, 0..*rows, &desk.pointers, ahead),
+                    }
+                };
             }
             return energy;
         }
@@ -201,7 +229,7 @@ impl<P: Scalar> Body<'_, P> {
             let mut unannounced = if next < self.rows { self.columns } else { &[] };
             for op in self.ops {
                 let ahead = core::array::from_fn(|_| match unannounced.split_first() {
-                    Some((column, rest)) if matches!(op, BlockOp::Law { .. }) => {
+                    Some((column, rest)) if matches!(op, BlockOp::Law(_)) => {
                         unannounced = rest;
                         column.wrapping_add(next).cast_const()
                     }
@@ -229,6 +257,7 @@ impl<P: Scalar> Body<'_, P> {
 
 /// # Safety
 /// `pointers` are those of the block, which has these rows.
+#[inline(never)]
 unsafe fn run_op<P: Scalar>(
     context: &Context<'_, P>,
     op: &BlockOp<P>,
@@ -269,29 +298,18 @@ unsafe fn run_op<P: Scalar>(
                 }
             }
         }
-        BlockOp::Law { law, kernel, slots, uniform, part, advance, drift, energy, first } => {
-            let [advance, drift] = [advance, drift].map(|stage| stage.map(|stage| context.steps[stage]));
-            let slots_of_call = &pointers[slots.clone()];
-            let call = RowCall {
-                slots: slots_of_call,
-                uniform: *uniform,
-                rows,
-                part: *part,
-                advance,
-                drift,
-                first: *first,
-                ahead,
-            };
-            if *energy {
+        BlockOp::Law(law) => {
+            let call = law.on(rows, pointers, ahead, context);
+            if law.energy {
                 // SAFETY: passed on to the caller.
-                return unsafe { kernel.energy(&call) }.unwrap_or_default();
+                return unsafe { law.kernel.energy(&call) }.unwrap_or_default();
             }
-            context.timed(*law, || {
+            context.timed(law.law, || {
                 // SAFETY: passed on to the caller.
-                unsafe { kernel.run(context.isa, &call) };
+                unsafe { law.kernel.run(context.isa, &call) };
             });
-            let first = || slots.start + super::pass::first_result(context, *law);
-            context.watch(*law, || pointers[first()..slots.end].iter().map(|start| (*start, 1, rows)));
+            let first = || law.slots.start + super::pass::first_result(context, law.law);
+            context.watch(law.law, || pointers[first()..law.slots.end].iter().map(|start| (*start, 1, rows)));
         }
         BlockOp::Fused { chain, slots, fixed, momenta, coordinates } => {
             let chain = &context.chains[*chain];

@@ -1,6 +1,6 @@
 //! Sums of vectors: what integrators are written in. In: registers. Out: arrays of numbers that are summed. Never: a sum.
 
-use super::sum::{Row, Sources, Sum, TERMS};
+use super::sum::{Sum, TERMS};
 use super::vectors::{Component, Vectors};
 use crate::integrate::{Combination, Register, Term, Terms};
 use crate::law::Part;
@@ -121,24 +121,16 @@ impl<P: Scalar> Vectors<P> {
     /// As for [`Vectors::linear`]; the state stands as the other vectors do, or its image is what is meant.
     #[inline]
     unsafe fn in_one(&self, combination: &Combination<'_>, span: Range<usize>, isa: Isa) {
-        let Combination { to, adds, terms, momenta, .. } = *combination;
-        let at_momenta = span.start + self.momentum_behind.unwrap_or(0);
-        // One row goes to the sum as it is, a second one term by term.
-        let (weighed, at) = if momenta.weights.is_empty() { (terms, span.start) } else { (momenta, at_momenta) };
-        let second = if momenta.weights.is_empty() { Terms::NONE } else { terms };
-        let starts = self.work_from(weighed.first, weighed.weights.len());
-        let row = Row { weights: weighed.weights, starts, at, factor: weighed.factor };
+        let Combination { to, adds, ref terms, ref momenta, .. } = *combination;
+        let trial;
         // A trial that begins at a vector begins at its rounding errors, too, where somebody looks at what the trial leaves out.
-        let (others, base) = match terms.others {
+        let (terms, base) = match terms.others {
             [others @ .., (1.0, from)] if !adds && to == Register::State && self.rests.is_some() => {
-                (others, Some(self.start(*from).wrapping_add(span.start)))
+                trial = terms.and(others);
+                (&trial, Some(self.start(*from).wrapping_add(span.start)))
             }
-            others => (others, None),
+            _ => (terms, None),
         };
-        let mut sources = Sources::new();
-        sources.take(second.of_row().map(|(factor, from)| (factor, self.start(from).wrapping_add(span.start))));
-        sources.take(momenta.others.iter().map(|(factor, from)| (*factor, self.start(*from).wrapping_add(at_momenta))));
-        sources.take(others.iter().map(|(factor, from)| (*factor, self.start(*from).wrapping_add(span.start))));
         let to_start = self.start(to).wrapping_add(span.start);
         let [errors, rests] = [self.carry(), self.rests].map(|start| match start {
             Some(start) if to == Register::State => start.wrapping_add(span.start),
@@ -162,10 +154,11 @@ impl<P: Scalar> Vectors<P> {
             lost,
             wide: self.sums_in_f64(),
             count: span.len(),
-            row,
-            sources: sources.as_slice(),
+            starts: self.starts(),
+            terms: [(momenta, span.start + self.momentum_behind.unwrap_or(0)), (terms, span.start)],
         };
-        P::with_lanes(isa, sum);
+        // Up to four half registers: whole ones overlap, and cross lines of the cache.
+        P::with_lanes(isa.for_few::<P>(span.len().div_ceil(4)), &sum);
     }
 
     /// Whether f64 has more digits than the state, and they are wanted: where rounding errors are kept. A step, or a
@@ -200,8 +193,10 @@ impl<P: Scalar> Vectors<P> {
         let behind = self.momentum_behind.unwrap_or(0);
         for (_, state) in self.part(part) {
             for (number, component) in state.components.iter().enumerate() {
-                let mut sources = [(0.0, core::ptr::null::<P>()); TERMS];
-                let mut strides = [1; TERMS];
+                // As if they were the integrator's own.
+                let first = Register::Work(0).number();
+                let (mut weights, mut strides) = ([0.0; TERMS], [1; TERMS]);
+                let mut starts = [core::ptr::null_mut::<P>(); Register::Work(TERMS).number()];
                 let of_momenta = |(factor, from): Term| match self.vector(from) {
                     Some(start) => (factor, start.wrapping_add(component.at + behind), 1),
                     None => {
@@ -219,18 +214,17 @@ impl<P: Scalar> Vectors<P> {
                 let (start, stride) = self.place(to, component, lent);
                 let (mut even, mut count) = (stride == 1, 0);
                 for (factor, from, stride) in rows.chain(others) {
-                    sources[count] = (factor, from.cast_const());
-                    strides[count] = stride;
+                    (weights[count], starts[first + count], strides[count]) = (factor, from, stride);
                     even &= stride == 1;
                     count += 1;
                 }
                 let errors = errors.map_or(core::ptr::null_mut(), |errors| errors.wrapping_add(component.at));
                 let (base, lost) = (if adds { start } else { core::ptr::null_mut() }, [errors, core::ptr::null_mut()]);
-                let wide = self.sums_in_f64();
-                let (row, sources) = (Row::NONE, &sources[..count]);
-                let sum = Sum { to: start, base, errors, lost, wide, count: state.len, row, sources };
+                let terms = [(&Terms::weighted(0, &weights[..count], 1.0), 0), (&Terms::NONE, 0)];
+                let (wide, count, starts) = (self.sums_in_f64(), state.len, &starts);
+                let sum = Sum { to: start, base, errors, lost, wide, count, starts, terms };
                 if even {
-                    P::with_lanes(isa, sum);
+                    P::with_lanes(isa, &sum);
                 } else {
                     // SAFETY: all places have `len` numbers, their strides apart; passed on to the caller.
                     unsafe { sum.strided(stride, &strides) };

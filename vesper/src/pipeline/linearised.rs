@@ -28,7 +28,7 @@ impl<P: Scalar> Vectors<P> {
     }
 
     /// Where the numbers of each state of a part are, with the number of the state.
-    fn ranges(&self, part: Part) -> impl Iterator<Item = (usize, Range<usize>)> {
+    pub(super) fn ranges(&self, part: Part) -> impl Iterator<Item = (usize, Range<usize>)> {
         self.part(part).flat_map(|(number, state)| {
             state.components.iter().map(move |component| (number, component.at..component.at + state.len))
         })

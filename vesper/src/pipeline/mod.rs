@@ -191,7 +191,7 @@ impl<P: Scalar> Pipeline<P> {
         let again = usize::from(pipeline.switches.any() && !integrator.is_adaptive());
         let work = integrator.work_vectors() + again;
         let differences = pipeline.registry.seats.iter().any(|seat| pipeline.takes_differences(seat.law));
-        let keeps = (compensated || integrator.compensates(), rotates, differences);
+        let keeps = (compensated || integrator.compensates(P::EPSILON), rotates, differences);
         vectors::lay_together(&pipeline, state);
         pipeline.vectors = Vectors::new(&pipeline, state, work, keeps);
         pipeline.turners_at = pipeline.turners().flat_map(|by| pipeline.components(by, state)).collect();

@@ -13,6 +13,10 @@ pub(super) fn run_pass<P: Scalar>(pass: &mut BoundPass<P>, context: &Context<'_,
     match &mut pass.pass {
         // SAFETY: `Runner` is only made for a state with the layout that the program was tied to, held exclusively.
         Pass::Group(group) => return unsafe { group.run(context) },
+        Pass::Pair(pass) if pass.is_one_call && context.is_unwatched() => {
+            // SAFETY: the slots have a number for every row.
+            unsafe { pass.kernel.run(context.isa.for_few::<P>(pass.rows), &pass.call(0..pass.rows)) };
+        }
         Pass::Pair(pass) => return run_pair(pass, context),
         Pass::Link(pass) => return run_link(pass, context),
         Pass::Column(pass) => run_columns(pass, context),
@@ -49,7 +53,7 @@ fn add_scaled<P: Scalar>(parts: &[(Located<P>, *mut P)], step: Option<P>, contex
 }
 
 /// Rows of a pair law that a thread takes at a time: a multiple of every width of lanes.
-const PAIR_GRAIN: usize = 64;
+pub(super) const PAIR_GRAIN: usize = 64;
 
 impl<P: Scalar> PairPass<P> {
     /// For these rows.
@@ -66,6 +70,7 @@ impl<P: Scalar> PairPass<P> {
     }
 }
 
+#[inline(never)]
 fn run_pair<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 {
     for transfer in &pass.transfers {
         // SAFETY: packed arrays have a number for every row.

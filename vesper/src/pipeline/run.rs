@@ -1,10 +1,10 @@
 //! Runs programs, and answers integrators.
 
-use super::bind::Pass;
+use super::bind::{BoundPass, Pass};
 use super::pass::run_pass;
 use super::plan::Key;
 use super::switches::Phase;
-use super::{FusedChain, Listed, Machine, Pipeline};
+use super::{FusedChain, Listed, Machine, Pipeline, Vectors};
 use crate::field::Field;
 use crate::integrate::{Again, Combination, Pace, Quantity, Register, Rotation, Structure, System};
 use crate::law::Part;
@@ -29,7 +29,9 @@ pub(crate) struct Context<'a, P: Scalar> {
     /// What is done about switches and regions.
     pub(crate) phase: Phase,
     /// Notes the first law with a result that is not finite.
-    pub(crate) watch: Option<Arc<Watch>>,
+    watch: Option<Arc<Watch>>,
+    /// Whether anybody looks at laws one by one: a probe, or a watch.
+    looks: bool,
 }
 
 /// The first law, of those that ran, with a result that is not finite.
@@ -43,6 +45,12 @@ impl Watch {
 }
 
 impl<P: Scalar> Context<'_, P> {
+    /// Whether laws need not be told apart while they run.
+    #[inline(always)]
+    pub(crate) fn is_unwatched(&self) -> bool {
+        !self.looks
+    }
+
     /// Notes the law, if it is the first whose results are not finite. `results` gives start, stride and count of each.
     pub(crate) fn watch<I: Iterator<Item = (*mut P, usize, usize)>>(&self, law: usize, results: impl FnOnce() -> I) {
         let Some(watch) = &self.watch else { return };
@@ -169,6 +177,7 @@ impl<'a, P: Scalar> Runner<'a, P> {
             rates: 0,
             phase: Phase::Free,
             watch: None,
+            looks: machine.probe.is_some(),
         };
         let clock = super::bind::locate_column(state, 0, Time::NAME, 0).map(|place| place.base.resolve(lent));
         let mut runner = Runner {
@@ -193,26 +202,39 @@ impl<'a, P: Scalar> Runner<'a, P> {
         let Pipeline { programs, vectors, .. } = &mut *self.pipeline;
         let mut energy = 0.0;
         for pass in &mut programs[key.index()].passes {
-            let fill = match self.pace {
-                _ if pass.every <= 1 => true,
-                Pace::Held => self.step.is_multiple_of(pass.every.into()),
-                Pace::Fast => continue,
-                Pace::With(pace) if pass.every != pace => continue,
-                Pace::With(_) => true,
-            };
-            if pass.fills.is_none_or(|held| fill || !vectors.filled[held]) {
+            // Most are neither held, nor of a law that is not evaluated on every step.
+            if pass.every <= 1 && pass.fills.is_none() || is_due(pass, vectors, (self.pace, self.step)) {
                 energy += run_pass(pass, &self.context);
-                // Shares that were only emptied are filled by the law's own pass, which comes next.
-                if let (Some(held), false) = (pass.fills, matches!(pass.pass, Pass::Release(_))) {
-                    vectors.filled[held] = true;
-                }
             }
         }
         energy
     }
 }
 
+/// Whether a pass of a law that is not evaluated on every step runs on this one; its shares are then filled.
+#[inline(never)]
+fn is_due<P: Scalar>(pass: &BoundPass<P>, vectors: &mut Vectors<P>, (pace, step): (Pace, u64)) -> bool {
+    let fill = match pace {
+        _ if pass.every <= 1 => true,
+        Pace::Held => step.is_multiple_of(pass.every.into()),
+        Pace::Fast => return false,
+        Pace::With(pace) if pass.every != pace => return false,
+        Pace::With(_) => true,
+    };
+    let Some(held) = pass.fills else { return true };
+    let due = fill || !vectors.filled[held];
+    // Shares that were only emptied are filled by the law's own pass, which comes next.
+    vectors.filled[held] |= due && !matches!(pass.pass, Pass::Release(_));
+    due
+}
+
 impl<P: Scalar> Runner<'_, P> {
+    /// Has the first law noted whose results are not finite.
+    pub(crate) fn set_watch(&mut self, watch: Arc<Watch>) {
+        self.context.watch = Some(watch);
+        self.context.looks = true;
+    }
+
     /// Keeps the state, with its rounding errors, before a step that may be taken again; or brings it back.
     pub(crate) fn again(&mut self, what: Again) {
         let kept = Register::Work(self.pipeline.vectors.last_work());

@@ -1,8 +1,8 @@
-//! A sum of arrays, in lanes. In: factors and pointers. Out: the sum, where it goes, and what rounding took from it. Never: a
-//! register, a state.
+//! A sum of arrays, in lanes. In: factors, and where vectors begin. Out: the sum, where it goes, and what rounding took from it.
+//! Never: a state.
 
+use crate::integrate::{Register, Terms};
 use crate::real::{Lanes, Scalar, WithLanes};
-use core::mem::MaybeUninit;
 
 /// Terms that are summed in one pass; more are added in further ones.
 pub(super) const TERMS: usize = 24;
@@ -10,47 +10,22 @@ pub(super) const TERMS: usize = 24;
 /// Numbers that are summed in f64 side by side.
 const WIDE: usize = 8;
 
-/// Arrays by a row of weights, without those whose weight is 0.
-#[derive(Clone, Copy)]
-pub(super) struct Row<'a, P> {
-    pub(super) weights: &'a [f64],
-    /// Where each array begins, and which of its numbers is the first one.
-    pub(super) starts: &'a [*mut P],
-    pub(super) at: usize,
-    /// What weights are multiplied by.
-    pub(super) factor: f64,
+/// Where the vector of a register begins, among those of all.
+#[inline(always)]
+pub(super) fn start<P>(starts: &[*mut P], register: Register) -> *mut P {
+    *starts.get(register.number()).unwrap_or_else(|| too_many(starts.len()))
 }
 
-impl<P> Row<'_, P> {
-    pub(super) const NONE: Self = Row { weights: &[], starts: &[], at: 0, factor: 0.0 };
+/// Where the vectors of a row of weights begin.
+#[inline(always)]
+fn work_from<'a, P>(starts: &'a [*mut P], terms: &Terms<'_>) -> &'a [*mut P] {
+    let from = Register::Work(terms.first).number();
+    starts.get(from..from.saturating_add(terms.weights.len())).unwrap_or_else(|| too_many(starts.len()))
 }
 
-/// Room for factors, and where the numbers begin that they are of.
-pub(super) struct Sources<P> {
-    /// Not filled with anything first: that took as long as three terms.
-    all: [MaybeUninit<(f64, *const P)>; TERMS],
-    count: usize,
-}
-
-impl<P> Sources<P> {
-    #[inline(always)]
-    pub(super) fn new() -> Self {
-        Sources { all: [const { MaybeUninit::uninit() }; TERMS], count: 0 }
-    }
-
-    #[inline(always)]
-    pub(super) fn take(&mut self, sources: impl Iterator<Item = (f64, *mut P)>) {
-        for (factor, from) in sources {
-            self.all[self.count].write((factor, from.cast_const()));
-            self.count += 1;
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn as_slice(&self) -> &[(f64, *const P)] {
-        // SAFETY: so many are written.
-        unsafe { self.all[..self.count].assume_init_ref() }
-    }
+#[cold]
+pub(super) fn too_many<T>(vectors: usize) -> T {
+    panic!("an integrator uses as many vectors as its work_vectors says: {}", vectors.saturating_sub(2))
 }
 
 /// # Safety
@@ -64,6 +39,7 @@ unsafe fn add<P: Scalar, const COUNT: usize>(sums: &mut [f64; COUNT], factor: f6
 }
 
 /// A sum of arrays of `count` numbers.
+#[derive(Clone, Copy)]
 pub(super) struct Sum<'a, P> {
     pub(super) to: *mut P,
     /// What is added to, or null: `to` itself, or what a trial begins at.
@@ -75,18 +51,31 @@ pub(super) struct Sum<'a, P> {
     /// Whether it is summed in f64, of numbers that are none.
     pub(super) wide: bool,
     pub(super) count: usize,
-    /// Summed first.
-    pub(super) row: Row<'a, P>,
-    /// Summed behind it.
-    pub(super) sources: &'a [(f64, *const P)],
+    /// Where all vectors begin, by number.
+    pub(super) starts: &'a [*mut P],
+    /// What is summed: rows of weights first. Which number of each vector is the first one.
+    pub(super) terms: [(&'a Terms<'a>, usize); 2],
 }
 
-impl<P: Scalar> Sum<'_, P> {
+impl<'a, P: Scalar> Sum<'a, P> {
+    /// The vectors of a row of weights, each from its first number on, without those whose weight is 0.
+    #[inline(always)]
+    fn row(&self, (terms, at): (&'a Terms<'a>, usize)) -> impl Iterator<Item = (f64, *mut P)> {
+        let weighed = terms.weights.iter().zip(work_from(self.starts, terms)).filter(|(weight, _)| **weight != 0.0);
+        weighed.map(move |(weight, start)| (weight * terms.factor, start.wrapping_add(at)))
+    }
+
+    /// The single vectors, likewise.
+    #[inline(always)]
+    fn others(&self, (terms, at): (&'a Terms<'a>, usize)) -> impl Iterator<Item = (f64, *mut P)> {
+        terms.others.iter().map(move |(factor, from)| (*factor, start(self.starts, *from).wrapping_add(at)))
+    }
+
     /// What sums begin with: what leaves every other number as it is, zeros with a minus sign, too.
     #[inline(always)]
     fn nothing(&self) -> f64 {
-        let is_empty = self.sources.is_empty() && self.row.weights.is_empty();
-        if is_empty { 0.0 } else { -0.0 }
+        let [(first, _), (second, _)] = self.terms;
+        if first.len() + second.len() == 0 { 0.0 } else { -0.0 }
     }
 
     /// The lanes that begin at these numbers. All are read before any is written, so that they may overlap. Plain loops over
@@ -99,20 +88,20 @@ impl<P: Scalar> Sum<'_, P> {
         // SAFETY: the caller promises the lanes.
         unsafe {
             let mut sums = [R::lit(self.nothing()); SETS];
-            for (weight, start) in self.row.weights.iter().zip(self.row.starts) {
-                if *weight == 0.0 {
-                    continue;
-                }
-                let factor = R::splat(P::from_f64(weight * self.row.factor));
-                let from = start.add(self.row.at);
-                for set in 0..SETS {
-                    sums[set] += R::load(from.add(starts[set])) * factor;
+            for terms in self.terms {
+                for (factor, from) in self.row(terms) {
+                    let factor = R::splat(P::from_f64(factor));
+                    for set in 0..SETS {
+                        sums[set] += R::load(from.add(starts[set])) * factor;
+                    }
                 }
             }
-            for (factor, from) in self.sources {
-                let factor = R::splat(P::from_f64(*factor));
-                for set in 0..SETS {
-                    sums[set] += R::load(from.add(starts[set])) * factor;
+            for terms in self.terms {
+                for (factor, from) in self.others(terms) {
+                    let factor = R::splat(P::from_f64(factor));
+                    for set in 0..SETS {
+                        sums[set] += R::load(from.add(starts[set])) * factor;
+                    }
                 }
             }
             if !self.base.is_null() {
@@ -160,12 +149,11 @@ impl<P: Scalar> Sum<'_, P> {
         let mut sums = [self.nothing(); COUNT];
         // SAFETY: the caller promises the numbers.
         unsafe {
-            let weights = self.row.weights.iter().zip(self.row.starts).filter(|(weight, _)| **weight != 0.0);
-            for (weight, start) in weights {
-                add(&mut sums, weight * self.row.factor, start.add(self.row.at + at));
+            for terms in self.terms {
+                self.row(terms).for_each(|(factor, from)| add(&mut sums, factor, from.add(at)));
             }
-            for (factor, from) in self.sources {
-                add(&mut sums, *factor, from.add(at));
+            for terms in self.terms {
+                self.others(terms).for_each(|(factor, from)| add(&mut sums, factor, from.add(at)));
             }
             for (number, sum) in sums.into_iter().enumerate() {
                 let place = at + number;
@@ -180,30 +168,30 @@ impl<P: Scalar> Sum<'_, P> {
         }
     }
 
-    /// One number at a time, at their own distances.
+    /// One number at a time, each of the integrator's vectors at its own distance.
     ///
     /// # Safety
     /// All pointers are to `count` numbers, so far apart, which nobody else touches.
     pub(super) unsafe fn strided(&self, stride: usize, strides: &[usize]) {
-        for row in 0..self.count {
-            let mut sources = [(0.0, core::ptr::null::<P>()); TERMS];
-            for ((source, (factor, from)), stride) in sources.iter_mut().zip(self.sources).zip(strides) {
-                *source = (*factor, from.wrapping_add(row * stride));
+        let first = Register::Work(0).number();
+        for number in 0..self.count {
+            let mut starts = [core::ptr::null_mut(); Register::Work(TERMS).number()];
+            for ((start, from), stride) in starts[first..].iter_mut().zip(&self.starts[first..]).zip(strides) {
+                *start = from.wrapping_add(number * stride);
             }
             // Only what is added to stands at such distances, and where it goes; rounding errors stand one by one.
-            let errors = if self.errors.is_null() { self.errors } else { self.errors.wrapping_add(row) };
-            let lost = self.lost.map(|to| if to.is_null() { to } else { to.wrapping_add(row) });
-            let base = if self.base.is_null() { self.base } else { self.base.wrapping_add(row * stride) };
-            let to = self.to.wrapping_add(row * stride);
-            let sources = &sources[..self.sources.len()];
-            let one = Sum { to, base, errors, lost, count: 1, sources, ..*self };
+            let errors = if self.errors.is_null() { self.errors } else { self.errors.wrapping_add(number) };
+            let lost = self.lost.map(|to| if to.is_null() { to } else { to.wrapping_add(number) });
+            let base = if self.base.is_null() { self.base } else { self.base.wrapping_add(number * stride) };
+            let to = self.to.wrapping_add(number * stride);
+            let one = Sum { to, base, errors, lost, count: 1, starts: &starts, ..*self };
             // SAFETY: passed on to the caller.
             unsafe { if one.wide { one.in_f64::<1>(0) } else { one.lanes::<P, 1>([0]) } };
         }
     }
 }
 
-impl<P: Scalar> WithLanes<P> for Sum<'_, P> {
+impl<P: Scalar> WithLanes<P> for &Sum<'_, P> {
     type Output = ();
     #[inline(always)]
     fn with<R: Lanes<P>>(self) {

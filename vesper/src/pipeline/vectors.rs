@@ -2,12 +2,14 @@
 //! the pipeline.
 //!
 //! A vector is one array: coordinates first, then momenta in the order of the coordinates that they move, then other
-//! states, component by component. Short components stand without gaps, so that a sum over a small state is one loop;
-//! long ones are staggered in memory, as columns are.
+//! states, component by component. Short components stand behind one another, with no more than room for the rest of a register
+//! between them, so that a sum over a small state is one loop; long ones are staggered in memory, as columns are. What is
+//! in the room behind a component is anything.
 
 use super::Pipeline;
 use super::bind::{Base, Located, locate_column};
-use crate::column::{Aligned, Block, Storage, is_long, staggered};
+use super::sum;
+use crate::column::{Aligned, Block, Storage, is_long, staggered, whole};
 use crate::integrate::Register;
 use crate::law::{Part, Place, Port};
 use crate::property::Role;
@@ -114,7 +116,7 @@ impl<P: Scalar> Vectors<P> {
             for component in 0..known.info.kind.width() {
                 let Some(place) = locate_column(state, known.domain, known.info.name, component) else { continue };
                 components.push(Component { at, place });
-                at += if gaps { staggered::<P>(len) } else { len };
+                at += if gaps { staggered::<P>(len) } else { whole::<P>(len) };
             }
             let role = known.info.role;
             let from = match role {
@@ -183,24 +185,13 @@ impl<P: Scalar> Vectors<P> {
     /// The vector of a register; of a state that is not one array its image, where there is one.
     #[inline]
     pub(super) fn start(&self, register: Register) -> *mut P {
-        let number = match register {
-            Register::State => 0,
-            Register::Rates => 1,
-            Register::Work(number) => number.saturating_add(2),
-        };
-        *self.starts.get(number).unwrap_or_else(|| self.too_many())
+        sum::start(&self.starts, register)
     }
 
-    /// Where the integrator's own vectors begin, so many from `first` on.
+    /// Where all vectors begin.
     #[inline]
-    pub(super) fn work_from(&self, first: usize, count: usize) -> &[*mut P] {
-        let from = first.saturating_add(2);
-        self.starts.get(from..from.saturating_add(count)).unwrap_or_else(|| self.too_many())
-    }
-
-    #[cold]
-    fn too_many<T>(&self) -> T {
-        panic!("an integrator uses as many vectors as its work_vectors says: {}", self.work)
+    pub(super) fn starts(&self) -> &[*mut P] {
+        &self.starts
     }
 
     /// How many numbers behind the rates one of the integrator's vectors begins.
@@ -245,9 +236,20 @@ impl<P: Scalar> Vectors<P> {
         &self.registers[..1 + self.work + usize::from(self.compensated)]
     }
 
-    /// The same, to be written; [`Vectors::look_at_errors`] afterwards.
-    pub(crate) fn kept_mut(&mut self) -> &mut [Aligned<P>] {
-        &mut self.registers[..1 + self.work + usize::from(self.compensated)]
+    /// The numbers of one of them, without what is between components.
+    pub(crate) fn packed(&self, array: &Aligned<P>) -> Vec<f64> {
+        self.ranges(Part::All).flat_map(|(_, range)| &array.as_slice()[range]).map(|number| number.to_f64()).collect()
+    }
+
+    /// The same for numbers that are brought back to the vector of this number: whether there are as many as needed.
+    /// [`Vectors::look_at_errors`] afterwards.
+    pub(crate) fn unpack(&mut self, register: usize, numbers: &[f64]) -> bool {
+        let ranges: Vec<_> = self.ranges(Part::All).map(|(_, range)| range).collect();
+        let fits = ranges.iter().map(ExactSizeIterator::len).sum::<usize>() == numbers.len();
+        let Some(array) = self.registers.get_mut(register).filter(|_| fits) else { return false };
+        let all = array.as_mut_slice();
+        ranges.into_iter().flatten().zip(numbers).for_each(|(at, number)| all[at] = P::from_f64(*number));
+        true
     }
 
     /// All numbers of the state, and the gaps between them.
@@ -255,7 +257,7 @@ impl<P: Scalar> Vectors<P> {
         0..self.ends[2]
     }
 
-    /// The numbers of a part, if they stand without gaps.
+    /// The numbers of a part, if they stand without longer gaps.
     pub(crate) fn span(&self, part: Part) -> Option<Range<usize>> {
         let range = match part {
             Part::All => 0..self.ends[2],
@@ -299,7 +301,7 @@ pub(super) fn lay_together<P: Scalar>(pipeline: &Pipeline<P>, state: &mut State<
         if is_long::<P>(len) || !matches!(domain.columns[column].storage, Storage::Split(_)) {
             return;
         }
-        count += len * known.info.kind.width();
+        count += whole::<P>(len) * known.info.kind.width();
         places.push((known.domain, column));
     }
     let mut block = Block::new(count);

@@ -11,7 +11,6 @@ macro_rules! lanes {
         $set1:path, $load:path, $store:path, $add:path, $sub:path, $mul:path, $div:path, $sqrt:path, $min:path, $max:path,
         |$a:ident, $b:ident, $m:ident| neg $neg:expr, abs $abs:expr, less $less:expr, less_or_equal $less_eq:expr,
         equal $equal:expr, select $select:expr, and $and:expr, or $or:expr, not $not:expr
-        $(, first |$from:ident, $n:ident, $to:ident, $few:ident| load $first:expr, store $keep:expr)?
     ) => {
         #[doc = concat!("Lanes of `", stringify!($scalar), "` in `", stringify!($register), "`.")]
         #[derive(Clone, Copy, Debug)]
@@ -235,19 +234,6 @@ macro_rules! lanes {
                 // SAFETY: the caller promises WIDTH readable numbers; the instruction takes any alignment.
                 $name([$(unsafe { $load(from.add($i * $per)) }),+])
             }
-            $(
-                #[inline(always)]
-                unsafe fn load_first($from: *const $scalar, $n: usize) -> Self {
-                    // SAFETY: the caller promises so many readable numbers; no other is read.
-                    $name([unsafe { $first }])
-                }
-                #[inline(always)]
-                unsafe fn store_first(self, $to: *mut $scalar, $n: usize) {
-                    let [$few] = self.0;
-                    // SAFETY: the caller promises so many writable numbers; no other is written.
-                    unsafe { $keep }
-                }
-            )?
             #[inline(always)]
             unsafe fn store(self, to: *mut $scalar) {
                 // SAFETY: the caller promises WIDTH writable numbers; the instruction takes any alignment.

@@ -36,14 +36,6 @@ pub(super) unsafe fn avx512<P, R: Lanes<P>, T: WithLanes<P>>(task: T) -> T::Outp
     task.with::<R>()
 }
 
-// The first lanes are written in halves under AVX2: its masked store is microcode on AMD's processors (Fog, Instruction tables,
-// VMASKMOVPS with memory as its target).
-
-/// Masks of the first lanes: from the place of as many as are left out on.
-static FIRST_OF_32: [i32; 16] = [-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0];
-/// The same for lanes of twice the size.
-static FIRST_OF_64: [i64; 8] = [-1, -1, -1, -1, 0, 0, 0, 0];
-
 // A selection is written in bits: the compiler knows these and makes the best of them (one `and` where one side is zero),
 // but leaves a `blendv`, which looks at signs alone, as it stands.
 lanes!(
@@ -71,25 +63,7 @@ lanes!(
     |a, b, m| neg _mm256_xor_ps(a, _mm256_set1_ps(-0.0)), abs _mm256_andnot_ps(_mm256_set1_ps(-0.0), a),
     less _mm256_cmp_ps::<_CMP_LT_OQ>(a, b), less_or_equal _mm256_cmp_ps::<_CMP_LE_OQ>(a, b),
     equal _mm256_cmp_ps::<_CMP_EQ_OQ>(a, b), select _mm256_or_ps(_mm256_and_ps(m, a), _mm256_andnot_ps(m, b)),
-    and _mm256_and_ps(a, b), or _mm256_or_ps(a, b), not _mm256_xor_ps(a, _mm256_castsi256_ps(_mm256_set1_epi32(-1))),
-    first |from, n, to, few| load _mm256_maskload_ps(from, _mm256_loadu_si256(FIRST_OF_32.as_ptr().add(8 - n).cast())),
-    store {
-        if n == 8 {
-            return _mm256_storeu_ps(to, few);
-        }
-        let (mut to, mut low) = (to, _mm256_castps256_ps128(few));
-        if n & 4 != 0 {
-            _mm_storeu_ps(to, low);
-            (to, low) = (to.add(4), _mm256_extractf128_ps::<1>(few));
-        }
-        if n & 2 != 0 {
-            _mm_storel_pd(to.cast(), _mm_castps_pd(low));
-            (to, low) = (to.add(2), _mm_movehl_ps(low, low));
-        }
-        if n & 1 != 0 {
-            _mm_store_ss(to, low);
-        }
-    }
+    and _mm256_and_ps(a, b), or _mm256_or_ps(a, b), not _mm256_xor_ps(a, _mm256_castsi256_ps(_mm256_set1_epi32(-1)))
 );
 lanes!(
     Avx2F64, Avx2F64Mask, f64, f64, __m256d, __m256d, 1 [0], 4,
@@ -98,21 +72,7 @@ lanes!(
     |a, b, m| neg _mm256_xor_pd(a, _mm256_set1_pd(-0.0)), abs _mm256_andnot_pd(_mm256_set1_pd(-0.0), a),
     less _mm256_cmp_pd::<_CMP_LT_OQ>(a, b), less_or_equal _mm256_cmp_pd::<_CMP_LE_OQ>(a, b),
     equal _mm256_cmp_pd::<_CMP_EQ_OQ>(a, b), select _mm256_or_pd(_mm256_and_pd(m, a), _mm256_andnot_pd(m, b)),
-    and _mm256_and_pd(a, b), or _mm256_or_pd(a, b), not _mm256_xor_pd(a, _mm256_castsi256_pd(_mm256_set1_epi32(-1))),
-    first |from, n, to, few| load _mm256_maskload_pd(from, _mm256_loadu_si256(FIRST_OF_64.as_ptr().add(4 - n).cast())),
-    store {
-        if n == 4 {
-            return _mm256_storeu_pd(to, few);
-        }
-        let (mut to, mut low) = (to, _mm256_castpd256_pd128(few));
-        if n & 2 != 0 {
-            _mm_storeu_pd(to, low);
-            (to, low) = (to.add(2), _mm256_extractf128_pd::<1>(few));
-        }
-        if n & 1 != 0 {
-            _mm_store_sd(to, low);
-        }
-    }
+    and _mm256_and_pd(a, b), or _mm256_or_pd(a, b), not _mm256_xor_pd(a, _mm256_castsi256_pd(_mm256_set1_epi32(-1)))
 );
 lanes!(
     Avx512F32, Avx512F32Mask, Avx2F32, f32, __m512, __mmask16, 1 [0], 16,
@@ -121,9 +81,7 @@ lanes!(
     |a, b, m| neg _mm512_xor_ps(a, _mm512_set1_ps(-0.0)), abs _mm512_abs_ps(a),
     less _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b), less_or_equal _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b),
     equal _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(a, b), select _mm512_mask_blend_ps(m, b, a),
-    and a & b, or a | b, not !a,
-    first |from, n, to, few| load _mm512_maskz_loadu_ps(((1_u32 << n) - 1) as u16, from),
-    store _mm512_mask_storeu_ps(to, ((1_u32 << n) - 1) as u16, few)
+    and a & b, or a | b, not !a
 );
 lanes!(
     Avx512F64, Avx512F64Mask, Avx2F64, f64, __m512d, __mmask8, 1 [0], 8,
@@ -132,7 +90,5 @@ lanes!(
     |a, b, m| neg _mm512_xor_pd(a, _mm512_set1_pd(-0.0)), abs _mm512_abs_pd(a),
     less _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b), less_or_equal _mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b),
     equal _mm512_cmp_pd_mask::<_CMP_EQ_OQ>(a, b), select _mm512_mask_blend_pd(m, b, a),
-    and a & b, or a | b, not !a,
-    first |from, n, to, few| load _mm512_maskz_loadu_pd(((1_u32 << n) - 1) as u8, from),
-    store _mm512_mask_storeu_pd(to, ((1_u32 << n) - 1) as u8, few)
+    and a & b, or a | b, not !a
 );

@@ -4,6 +4,7 @@ use super::{Base, Binder, PARALLEL_PAIRS, Transfer, defaults, threads};
 use crate::backend::{PairKernel, coordinate_slots};
 use crate::column::Aligned;
 use crate::pipeline::operand::Operand;
+use crate::pipeline::pass::PAIR_GRAIN;
 use crate::pipeline::plan::{Op, Placed};
 use crate::real::Scalar;
 use std::sync::Arc;
@@ -22,6 +23,8 @@ pub(crate) struct PairPass<P: Scalar> {
     /// Whether the sums that it adds to begin with it: its shares are stored.
     pub(crate) first: bool,
     pub(crate) threads: usize,
+    /// Whether it is one call of the kernel, on numbers where they stand.
+    pub(crate) is_one_call: bool,
     /// Keeps the constants that `slots` points to.
     pub(crate) _defaults: Aligned<P>,
 }
@@ -47,6 +50,7 @@ impl<P: Scalar> Binder<'_, P> {
             energy,
             first,
             threads: threads(op.backend, rows * rows, PARALLEL_PAIRS, self.machine),
+            is_one_call: false,
             _defaults: defaults,
         };
         for (slot, operand) in op.operands.iter().enumerate() {
@@ -89,6 +93,7 @@ impl<P: Scalar> Binder<'_, P> {
                 pass.rests.clear();
             }
         }
+        pass.is_one_call = pass.transfers.is_empty() && !energy && (pass.threads == 1 || rows <= PAIR_GRAIN);
         Some(pass)
     }
 }

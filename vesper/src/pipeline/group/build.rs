@@ -1,7 +1,7 @@
 //! Ties a group to a state. In: the operations of a pass, and where columns are. Out: a [`Group`]: slots, scratches, and
 //! operations on blocks; or one loop, where a chain was listed that has just these laws. Never runs anything.
 
-use super::{BlockOp, Desk, Group, Slot, Start};
+use super::{BlockLaw, BlockOp, Desk, Group, Slot, Start};
 use crate::backend::{Kernel, block};
 use crate::column::Aligned;
 use crate::law::Part;
@@ -122,17 +122,8 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
                 let law = self.binder.pipeline.registry.seats[seat].law;
                 // Whoever made the group looked at the shape.
                 let Kernel::Row(kernel) = &self.binder.laws[law].compiled.kernel else { return };
-                BlockOp::Law {
-                    law,
-                    kernel: kernel.clone(),
-                    slots,
-                    uniform: self.uniform_slots(&op.operands),
-                    part,
-                    advance,
-                    drift,
-                    energy,
-                    first,
-                }
+                let (kernel, uniform) = (kernel.clone(), self.uniform_slots(&op.operands));
+                BlockOp::Law(BlockLaw { law, kernel, slots, uniform, part, advance, drift, energy, first })
             }
             Op::Axpy { .. } | Op::Release { .. } | Op::Hold { .. } | Op::Keep => return,
         });
