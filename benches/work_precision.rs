@@ -16,13 +16,14 @@ use std::path::Path;
 use vesper_benches::Run as Mode;
 use vesper_cli::study::{Case, CaseLaw, Problem, read};
 use work_precision::asked::{self, Peer};
-use work_precision::compared::{Curve, ratio};
+use work_precision::compared::{Curve, Ratio, ratio};
 use work_precision::{ode, ours};
 
 /// What the page begins with.
 const HEAD: &str = "# Beside others\n\nMade by `VESPER_PYTHON=.. cargo bench -- work_precision`, with a Python that has REBOUND: \
-    the time that each takes to an error, between the settings that were run, on one core of a shared machine, by turns, medians \
-    of five turns, in each of which the shortest of three runs counts. Errors are the largest over all times and bodies, positions \
+    the time that each takes to an error, between the settings that were run, on one core of a shared machine, by turns. In a turn \
+    the shortest of at least three runs counts, more where they are short. Times are medians of five turns; the ratio is that of \
+    each turn, its median and, in brackets, its least and largest. Errors are the largest over all times and bodies, positions \
     and velocities each by the case's scale.\n\nWith few \
     bodies the time goes to what an evaluation, or a sum of vectors, costs before anything is computed: laws are composed at run time, \
     pass by pass, where the peers are compiled for this one problem. So with three bodies the same method is a loss beside \
@@ -34,8 +35,22 @@ const LEVELS: [f64; 4] = [1e-6, 1e-9, 1e-11, 1e-12];
 const LOW: f64 = 1e-3;
 /// Times that everything is run, in turns.
 const ROUNDS: usize = 5;
-/// Times that a run is made in one turn, of which the shortest counts: the first one finds caches full of somebody else's work.
+/// Times that a run is made in one turn at least, of which the shortest counts: the first one finds caches full of somebody
+/// else's work.
 pub const REPEATS: usize = 3;
+/// The time that runs of one setting take at least in a turn, in s: shorter ones are made more often, by everybody.
+pub const SECONDS: f64 = 0.04;
+
+/// The shortest of runs, each of which gives its time in s, and what one of them comes to.
+pub fn shortest<T>(mut once: impl FnMut() -> (f64, T)) -> (f64, T) {
+    let (mut shortest, found) = once();
+    let (mut spent, mut made) = (shortest, 1);
+    while made < REPEATS || spent < SECONDS && made < 1000 {
+        let (time, _) = once();
+        (shortest, spent, made) = (shortest.min(time), spent + time, made + 1);
+    }
+    (shortest, found)
+}
 
 /// A case, and what is needed of it.
 #[derive(Debug)]
@@ -191,9 +206,10 @@ fn table(page: &mut String, task: &Task, pairs: &[Pair], short: bool) {
         // Methods of low order are held against each other at what they come to.
         let met: Vec<f64> = LEVELS.into_iter().filter(|level| ratio(ours, theirs, *level).is_some()).collect();
         for level in if met.is_empty() { vec![LOW] } else { met } {
-            if let Some([own, peer, by]) = ratio(ours, theirs, level) {
+            if let Some(Ratio { ours: own, theirs: peer, by: [least, by, most] }) = ratio(ours, theirs, level) {
                 let (own, peer) = (1e3 * own, 1e3 * peer);
-                line(format!("| {} | {} | {level:.0e} | {own:.2} | {peer:.2} | {by:.2} |", ours.name, theirs.name));
+                let by = format!("{by:.2} ({least:.2} to {most:.2})");
+                line(format!("| {} | {} | {level:.0e} | {own:.2} | {peer:.2} | {by} |", ours.name, theirs.name));
             }
         }
     };

@@ -1,7 +1,7 @@
 //! Runs of a task by programs of their own, which are asked in JSON: REBOUND by a script, diffsol by a program that is built here.
 
 use super::compared::Curve;
-use crate::{REPEATS, Task};
+use crate::{REPEATS, SECONDS, Task};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
@@ -69,7 +69,7 @@ pub fn curve(peer: Peer, task: &Task, name: &str, settings: &[f64], options: &[(
         task.case.bodies.iter().map(|body| json!([body.mass, body.position, body.velocity])).collect();
     let asked = json!({
         "g": task.gravity, "bodies": bodies, "times": task.problem.times, "scales": task.scales(), "runs": runs,
-        "repeats": REPEATS,
+        "repeats": REPEATS, "seconds": SECONDS,
     });
     let (mut command, mend) = peer.command()?;
     let missing = |what: String| format!("{what}; {mend}");

@@ -17,10 +17,15 @@ impl Curve {
         }
     }
 
-    /// The time to an error, in s: between the cheapest setting that meets it and the one before, on a straight line of
-    /// logarithms. `None` where no setting meets it, or the coarsest one does by far.
-    pub fn time_to(&self, error: f64) -> Option<f64> {
-        let mut points: Vec<(f64, f64)> = self.points.iter().map(|(error, times)| (*error, median(times))).collect();
+    /// How often every setting was run.
+    fn turns(&self) -> usize {
+        self.points.iter().map(|(_, times)| times.len()).min().unwrap_or(0)
+    }
+
+    /// The time to an error in one turn, in s: between the cheapest setting that meets it and the one before, on a straight line
+    /// of logarithms. `None` where no setting meets it, or the coarsest one does by far.
+    fn time_to(&self, error: f64, turn: usize) -> Option<f64> {
+        let mut points: Vec<(f64, f64)> = self.points.iter().map(|(error, times)| (*error, times[turn])).collect();
         points.retain(|point| point.0.is_finite());
         points.sort_by(|one, other| one.1.total_cmp(&other.1));
         // What costs more and is no nearer is no choice.
@@ -46,8 +51,27 @@ fn median(times: &[f64]) -> f64 {
     times[times.len() / 2]
 }
 
-/// Both times to an error, and the first by the second; `None` where one of them does not come to it.
-pub fn ratio(ours: &Curve, theirs: &Curve, error: f64) -> Option<[f64; 3]> {
-    let (own, peer) = (ours.time_to(error)?, theirs.time_to(error)?);
-    Some([own, peer, own / peer])
+/// Times to an error.
+#[derive(Clone, Copy, Debug)]
+pub struct Ratio {
+    /// Ours, the median of all turns, in s.
+    pub ours: f64,
+    /// Theirs.
+    pub theirs: f64,
+    /// Ours by theirs, turn by turn: the least, the median, the largest.
+    pub by: [f64; 3],
+}
+
+/// The times to an error, and their ratio, turn by turn: what slows the machine slows both. `None` where one of them does not
+/// come to it.
+pub fn ratio(ours: &Curve, theirs: &Curve, error: f64) -> Option<Ratio> {
+    let turns = 0..ours.turns().min(theirs.turns());
+    let pairs: Option<Vec<[f64; 2]>> =
+        turns.map(|turn| Some([ours.time_to(error, turn)?, theirs.time_to(error, turn)?])).collect();
+    let pairs = pairs.filter(|pairs| !pairs.is_empty())?;
+    let all = |of: fn(&[f64; 2]) -> f64| pairs.iter().map(of).collect::<Vec<f64>>();
+    let by = all(|[own, peer]| own / peer);
+    let [least, most] = [f64::min, f64::max].map(|pick| by.iter().copied().reduce(pick).unwrap_or(f64::NAN));
+    let [ours, theirs] = [all(|pair| pair[0]), all(|pair| pair[1])].map(|times| median(&times));
+    Some(Ratio { ours, theirs, by: [least, median(&by), most] })
 }

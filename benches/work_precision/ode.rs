@@ -1,7 +1,7 @@
 //! The runs of a task by `ode_solvers`, with a right-hand side as a careful user writes it: each pair once, plain arrays.
 
 use super::compared::Curve;
-use crate::{REPEATS, Task};
+use crate::{Task, shortest};
 use ode_solvers::dop_shared::OutputType;
 use ode_solvers::{Dop853, Dopri5, SVector, System};
 use std::time::Instant;
@@ -63,8 +63,7 @@ pub fn curve(task: &Task, method: &Method, tolerances: &[f64]) -> Curve {
 
 /// The error and the shortest time of some runs.
 fn point<const N: usize>(task: &Task, method: &Method, tolerance: f64) -> (f64, Vec<f64>) {
-    let (mut shortest, moments) = run::<N>(task, method, tolerance);
-    (1..REPEATS).for_each(|_| shortest = shortest.min(run::<N>(task, method, tolerance).0));
+    let (shortest, moments) = shortest(|| run::<N>(task, method, tolerance));
     (task.error(&moments), vec![shortest])
 }
 

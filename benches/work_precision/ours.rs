@@ -1,7 +1,7 @@
 //! Our own runs of a task.
 
 use super::compared::Curve;
-use crate::{REPEATS, Task};
+use crate::{Task, shortest};
 use std::time::Instant;
 use vesper::prelude::*;
 use vesper_cli::assemble::integrators::integrator;
@@ -38,8 +38,7 @@ pub fn curve(task: &Task, name: &str, settings: &[f64], options: &[(&str, f64)])
             }
             (spent, moments)
         };
-        let (mut shortest, moments) = once();
-        (1..REPEATS).for_each(|_| shortest = shortest.min(once().0));
+        let (shortest, moments) = shortest(once);
         (task.error(&moments), vec![shortest])
     });
     let corrected = if options.is_empty() { "" } else { ", corrected" };

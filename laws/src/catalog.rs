@@ -1,11 +1,12 @@
 //! The stock laws as a list, for whoever chooses laws by name at run time: the command line, scene files.
 //!
 //! In: the laws of this crate. Out: [`stock_laws`], each with its declaration and a way to make it runnable from the
-//! numbers of its parameters, in either precision. Never: a state, a scene.
+//! numbers of its parameters, in any precision. Never: a state, a scene.
 
 use crate::*;
 use vesper::backend::{Compile, Compiled};
 use vesper::law::{Law, Signature};
+use vesper::real::DoubleDouble;
 
 /// A law of this crate.
 #[derive(Clone, Copy)]
@@ -14,6 +15,7 @@ pub struct StockLaw {
     pub signature: Signature,
     single: fn(&[f64]) -> Compiled<f32>,
     double: fn(&[f64]) -> Compiled<f64>,
+    twice: fn(&[f64]) -> Compiled<DoubleDouble>,
 }
 
 impl core::fmt::Debug for StockLaw {
@@ -36,6 +38,10 @@ impl Compile for Given<'_> {
     fn compile_f64(&self) -> Compiled<f64> {
         (self.0.double)(self.1)
     }
+
+    fn compile_double_double(&self) -> Compiled<DoubleDouble> {
+        (self.0.twice)(self.1)
+    }
 }
 
 impl StockLaw {
@@ -44,6 +50,7 @@ impl StockLaw {
             signature: L::SIGNATURE,
             single: |parameters| L::from_parameters(parameters).compile_f32(),
             double: |parameters| L::from_parameters(parameters).compile_f64(),
+            twice: |parameters| L::from_parameters(parameters).compile_double_double(),
         }
     }
 

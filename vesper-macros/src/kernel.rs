@@ -86,6 +86,7 @@ fn expand(item: &mut ItemImpl) -> syn::Result<TokenStream> {
         Shape::Column => quote!(column::<#precision, Self>),
     };
     let (compile_f32, compile_f64) = (compile(quote!(f32)), compile(quote!(f64)));
+    let compile_double_double = compile(quote!(::vesper::real::DoubleDouble));
     let stepped = stepped(shape, &trait_segment, &concrete);
     let energy = (shape != Shape::Column).then(|| quote!(const ENERGY: bool = #energy;));
     let checks = [unnamed_number(&concrete, &number), link_of(&trait_segment, &concrete, &number, &ends)];
@@ -107,6 +108,10 @@ fn expand(item: &mut ItemImpl) -> syn::Result<TokenStream> {
             #[inline(never)]
             fn compile_f64(&self) -> ::vesper::backend::Compiled<f64> {
                 ::vesper::backend::#compile_f64(self)
+            }
+            #[inline(never)]
+            fn compile_double_double(&self) -> ::vesper::backend::Compiled<::vesper::real::DoubleDouble> {
+                ::vesper::backend::#compile_double_double(self)
             }
         }
         #stepped
@@ -234,6 +239,7 @@ fn stub(item: &ItemImpl) -> Option<TokenStream> {
         impl ::vesper::backend::Compile for #path {
             fn compile_f32(&self) -> ::vesper::backend::Compiled<f32> { loop {} }
             fn compile_f64(&self) -> ::vesper::backend::Compiled<f64> { loop {} }
+            fn compile_double_double(&self) -> ::vesper::backend::Compiled<::vesper::real::DoubleDouble> { loop {} }
         }
     })
 }

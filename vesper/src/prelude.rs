@@ -14,7 +14,7 @@ pub use crate::integrate::{
 pub use crate::law::{ColumnLaw, DynLaw, Law, LinkLaw, PairLaw, RowLaw, Signature};
 pub use crate::pipeline;
 pub use crate::property::*;
-pub use crate::real::{Real, Scalar as Precision, Vector as _};
+pub use crate::real::{DoubleDouble, Real, Scalar as Precision, Vector as _};
 pub use crate::registry::{Backend, Report, Status};
 pub use crate::state::State;
 pub use glam::{DVec3, Vec3};

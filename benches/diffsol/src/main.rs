@@ -1,6 +1,6 @@
 //! Integrates bodies with diffsol, for `cargo bench -- work_precision`.
 //!
-//! In: on standard input, one JSON object: `g`, `bodies` (mass, position, velocity of each), `times`, `scales` (of positions and velocities), `runs` (integrator, setting), `repeats`.
+//! In: on standard input, one JSON object: `g`, `bodies` (mass, position, velocity of each), `times`, `scales` (of positions and velocities), `runs` (integrator, setting), `repeats` and `seconds`.
 //! Out: on standard output, one JSON object: the version, and for each run the seconds that it took, and positions and velocities
 //! at the times. Timed is the solver alone. The right-hand side is as a careful user writes it: each pair once, plain slices.
 
@@ -18,7 +18,10 @@ struct Asked {
     /// Of positions, and of velocities.
     scales: [f64; 2],
     runs: Vec<Run>,
+    /// Runs of each at least.
     repeats: usize,
+    /// The time that they take at least.
+    seconds: f64,
 }
 
 #[derive(Deserialize)]
@@ -96,10 +99,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let asked: Asked = serde_json::from_reader(std::io::stdin())?;
     // A run that ends early has no states: it came to no error.
     let runs = asked.runs.iter().map(|each| {
-        let repeats = (0..asked.repeats).map(|_| run(&asked, each));
-        let all = repeats.collect::<Result<Vec<Done>, _>>().map(|all| {
-            let seconds = all.iter().flat_map(|done| done.seconds.clone()).collect();
-            Done { seconds, states: all.into_iter().next().map_or(Vec::new(), |done| done.states) }
+        let all = run(&asked, each).and_then(|mut all| {
+            while all.seconds.len() < asked.repeats
+                || all.seconds.iter().sum::<f64>() < asked.seconds && all.seconds.len() < 1000
+            {
+                all.seconds.extend(run(&asked, each)?.seconds);
+            }
+            Ok(all)
         });
         all.unwrap_or_else(|reason| {
             eprintln!("{}, {:e}: {reason}", each.integrator, each.setting);

@@ -91,7 +91,7 @@ pub struct SceneArguments {
     /// The integrator.
     pub integrator: Option<String>,
     /// Number type of the state
-    #[arg(long, value_name = "f32|f64")]
+    #[arg(long, value_name = "f32|f64|double-double")]
     pub precision: Option<String>,
     /// Where laws run that do not say
     #[arg(long, value_name = "auto|cpu|parallel")]
@@ -166,7 +166,7 @@ pub struct Study {
     #[arg(long, value_name = "T,..", value_delimiter = ',', allow_negative_numbers = true)]
     pub tolerances: Vec<String>,
     /// Number types to try
-    #[arg(long, value_name = "f32,f64", value_delimiter = ',', default_value = "f64")]
+    #[arg(long, value_name = "f32,f64,double-double", value_delimiter = ',', default_value = "f64")]
     pub precisions: Vec<String>,
     /// Every run also with the rounding errors of the state kept and added back [default: those that rounding limits]
     #[arg(long)]

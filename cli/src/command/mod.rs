@@ -17,6 +17,7 @@ use std::sync::atomic::AtomicBool;
 
 use signal_hook::consts::SIGINT;
 use signal_hook::flag;
+use vesper::prelude::DoubleDouble;
 
 use crate::assemble;
 use crate::fault::{SceneFault, print_faults};
@@ -65,16 +66,16 @@ pub fn execute(arguments: &Arguments) -> Exit {
 fn explain(arguments: &Explain) -> Result<Exit, Vec<SceneFault>> {
     let scene = read(&arguments.scene, &arguments.scene.overrides())?;
     let text = match precision(&scene) {
-        Precision::F32 => {
-            let engine = assemble::engine::<f32>(&scene)?;
-            if arguments.dot { engine.to_dot() } else { engine.explain() }
-        }
-        Precision::F64 => {
-            let engine = assemble::engine::<f64>(&scene)?;
-            if arguments.dot { engine.to_dot() } else { engine.explain() }
-        }
+        Precision::F32 => explained::<f32>(&scene, arguments.dot),
+        Precision::F64 => explained::<f64>(&scene, arguments.dot),
+        Precision::DoubleDouble => explained::<DoubleDouble>(&scene, arguments.dot),
     };
-    Ok(say(&text))
+    Ok(say(&text?))
+}
+
+fn explained<P: vesper::prelude::Precision>(scene: &Scene, dot: bool) -> Result<String, Vec<SceneFault>> {
+    let engine = assemble::engine::<P>(scene)?;
+    Ok(if dot { engine.to_dot() } else { engine.explain() })
 }
 
 fn read(arguments: &SceneArguments, overrides: &[Override]) -> Result<Scene, Vec<SceneFault>> {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use vesper::prelude::Checkpoint;
+use vesper::prelude::{Checkpoint, DoubleDouble};
 use vesper_laws::catalog::CatalogPrecision;
 
 use super::arguments::Run;
@@ -33,6 +33,7 @@ pub(super) fn run(arguments: &Run) -> Result<Exit, Vec<SceneFault>> {
     match precision(&scene) {
         Precision::F32 => go::<f32>(arguments, &scene, resume.as_ref(), every),
         Precision::F64 => go::<f64>(arguments, &scene, resume.as_ref(), every),
+        Precision::DoubleDouble => go::<DoubleDouble>(arguments, &scene, resume.as_ref(), every),
     }
 }
 

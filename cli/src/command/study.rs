@@ -13,7 +13,7 @@ use crate::assemble;
 use crate::assemble::integrators::{self, NamedIntegrator};
 use crate::fault::SceneFault;
 use crate::output::json;
-use crate::scene::{Precision as Numbers, Scene};
+use crate::scene::{PRECISIONS, Scene};
 use crate::study::{
     Attribution, Budget, Findings, Grid, Keeper, Method, Patience, Problem, Refusal, Run, choice, diagram, makers,
     read, shares, table, written,
@@ -310,7 +310,7 @@ fn grid(arguments: &Study) -> Result<Grid, Vec<SceneFault>> {
         [] => integrators::methods().collect(),
         list => asked(list),
     };
-    let precisions = words("--precisions", &arguments.precisions, &[("f32", Numbers::F32), ("f64", Numbers::F64)]);
+    let precisions = words("--precisions", &arguments.precisions, &PRECISIONS);
     let backends = [("auto", Backend::Auto), ("cpu", Backend::Cpu), ("parallel", Backend::Parallel)];
     let backends = words("--backends", &arguments.backends, &backends);
     let precisions = precisions.map_err(|more| faults.extend(more)).unwrap_or_default();

@@ -59,7 +59,7 @@ pub struct Outcome {
     pub evaluations: u64,
     /// Time of the integration in this run, in s.
     pub wall_seconds: f64,
-    /// "f32" or "f64".
+    /// "f32", "f64" or "double-double".
     pub precision: &'static str,
     /// The integrator's name.
     pub integrator: String,

@@ -26,7 +26,13 @@ pub enum Precision {
     /// 64 bits, the default.
     #[default]
     F64,
+    /// Two times 53 bits.
+    DoubleDouble,
 }
+
+/// The words of number types, in scenes and on the command line.
+pub const PRECISIONS: [(&str, Precision); 3] =
+    [("f32", Precision::F32), ("f64", Precision::F64), ("double-double", Precision::DoubleDouble)];
 
 /// Where a law runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

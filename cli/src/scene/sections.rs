@@ -40,7 +40,7 @@ pub(crate) fn engine(walk: &mut Walk, node: &Node) -> EngineSettings {
         let node = &entry.node;
         match entry.key.as_str() {
             "precision" => {
-                settings.precision = walk.choice(node, &[("f32", Precision::F32), ("f64", Precision::F64)]);
+                settings.precision = walk.choice(node, &PRECISIONS);
             }
             "integrator" => settings.integrator = integrator(walk, entry.key_span, node),
             "step" => settings.step = time(walk, "step", entry.key_span, node, false),

@@ -12,6 +12,7 @@ use vesper::prelude::*;
 
 use super::measure::{Method, Patience, answer};
 use super::problem::{Answer, Moment, Problem};
+use crate::scene::Precision as Numbers;
 
 /// What one law does.
 #[derive(Clone, Debug, PartialEq)]
@@ -165,21 +166,22 @@ impl Attribution {
 
 /// How far a scene's own integrator and step end from the answer.
 fn as_it_runs(problem: &Problem, whole: &Answer) -> Result<f64, String> {
-    let words = |faults: Faults| faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
-    let single = problem.scene().is_some_and(|scene| {
-        scene.engine.precision.as_ref().is_some_and(|numbers| numbers.value == crate::scene::Precision::F32)
-    });
-    let end = if single {
-        let mut engine = problem.engine::<f32>(|builder| builder)?;
-        engine.advance(problem.length()).map_err(words)?;
-        problem.moment(&engine)
-    } else {
-        let mut engine = problem.engine::<f64>(|builder| builder)?;
-        engine.advance(problem.length()).map_err(words)?;
-        problem.moment(&engine)
+    let numbers = problem.scene().and_then(|scene| scene.engine.precision.as_ref()).map(|numbers| numbers.value);
+    let end = match numbers.unwrap_or_default() {
+        Numbers::F32 => end::<f32>(problem),
+        Numbers::F64 => end::<f64>(problem),
+        Numbers::DoubleDouble => end::<DoubleDouble>(problem),
     };
-    let (end, exact) = end.zip(whole.moments.last()).ok_or("the state lacks what is compared")?;
+    let (end, exact) = end?.zip(whole.moments.last()).ok_or("the state lacks what is compared")?;
     Ok(problem.distance(&end, exact, &whole.scales))
+}
+
+/// Where it ends, as it runs in a precision.
+fn end<P: Precision>(problem: &Problem) -> Result<Option<Moment>, String> {
+    let mut engine = problem.engine::<P>(|builder| builder)?;
+    let words = |faults: Faults| faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
+    engine.advance(problem.length()).map_err(words)?;
+    Ok(problem.moment(&engine))
 }
 
 /// Laws that ran with all, and do not run now, besides the one that is switched off.

@@ -127,7 +127,8 @@ pub fn diagram(findings: &Findings, case: &str) -> Option<String> {
 }
 
 /// How lines are dashed that are not as usual.
-const WAYS: [(&str, &str); 3] = [("6 4", "compensated"), ("2 3", "f32"), ("8 3 2 3", "f32, compensated")];
+const WAYS: [(&str, &str); 4] =
+    [("6 4", "compensated"), ("2 3", "f32"), ("8 3 2 3", "f32, compensated"), ("12 4", "double-double")];
 
 fn dashes(run: &Run) -> &'static str {
     match (run.method.numbers, run.method.compensated) {
@@ -135,6 +136,7 @@ fn dashes(run: &Run) -> &'static str {
         (Precision::F64, true) => WAYS[0].0,
         (Precision::F32, false) => WAYS[1].0,
         (Precision::F32, true) => WAYS[2].0,
+        (Precision::DoubleDouble, _) => WAYS[3].0,
     }
 }
 

@@ -11,7 +11,7 @@ use super::measure::{Method, Run, Setting};
 use super::problem::Problem;
 use crate::assemble::integrators::integrator;
 use crate::reader::Reader;
-use crate::scene::Precision as Numbers;
+use crate::scene::{PRECISIONS, Precision as Numbers};
 
 /// Errors at which the cheapest run is told.
 pub const LEVELS: [f64; 3] = [1e-6, 1e-9, 1e-12];
@@ -187,10 +187,7 @@ fn quoted(text: &str) -> String {
 
 /// The word of a number type.
 pub fn number_type(numbers: Numbers) -> &'static str {
-    match numbers {
-        Numbers::F32 => "f32",
-        Numbers::F64 => "f64",
-    }
+    PRECISIONS.iter().find(|(_, known)| *known == numbers).map_or("f64", |(word, _)| word)
 }
 
 /// The word of a backend.
@@ -258,7 +255,9 @@ fn run_from(reader: &Reader<'_>) -> Result<Run, String> {
         let text = field.text()?;
         known.iter().find(|(word, _)| *word == text).map_or_else(|| field.wrong(expected), |(_, number)| Ok(*number))
     };
-    let numbers = [Numbers::F32, Numbers::F64][word("precision", &[("f32", 0), ("f64", 1)], "f32 or f64")?];
+    let precisions = PRECISIONS.map(|(_, numbers)| numbers);
+    let words = [0, 1, 2].map(|number| (PRECISIONS[number].0, number));
+    let numbers = precisions[word("precision", &words, "f32, f64 or double-double")?];
     let backends = [("auto", 0), ("cpu", 1), ("parallel", 2)];
     let backend =
         [Backend::Auto, Backend::Cpu, Backend::Parallel][word("backend", &backends, "auto, cpu or parallel")?];

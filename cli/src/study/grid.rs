@@ -193,9 +193,11 @@ impl Grid {
             let tenths = match (method.integrator.options[0], method.numbers) {
                 ("rtol", Numbers::F64) => 3..=14,
                 ("rtol", Numbers::F32) => 2..=7,
+                ("rtol", Numbers::DoubleDouble) => 3..=20,
                 // The parts of the highest term, which shrinks with the seventh power of the step.
                 (_, Numbers::F64) => 0..=8,
                 (_, Numbers::F32) => 0..=4,
+                (_, Numbers::DoubleDouble) => 0..=12,
             };
             let tolerance = match &self.tolerances {
                 Some(given) => *given.get(rung)?,

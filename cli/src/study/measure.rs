@@ -157,6 +157,7 @@ impl Method {
         match self.numbers {
             Numbers::F32 => self.go_as::<f32>(problem, patience, looks),
             Numbers::F64 => self.go_as::<f64>(problem, patience, looks),
+            Numbers::DoubleDouble => self.go_as::<DoubleDouble>(problem, patience, looks),
         }
     }
 

@@ -37,7 +37,7 @@ pub fn written(text: &str, problem: &Problem, run: &Run) -> Result<(String, Vec<
             changes.push(("integrator", Value::InlineTable(choice)));
         }
     }
-    if numbers == Numbers::F32 || engine.contains_key("precision") {
+    if numbers != Numbers::F64 || engine.contains_key("precision") {
         changes.push(("precision", super::findings::number_type(numbers).into()));
     }
     if compensated || engine.contains_key("compensated") {

@@ -142,7 +142,7 @@ fn a_wrong_option_is_named_as_it_was_written() {
         ("--end", "-1", "expected a time not below 0, found -1"),
         ("--threads", "0", "expected a whole number, 1 or more, found 0"),
         ("--threads", "2.5", "expected a whole number, 1 or more, found 2.5"),
-        ("--precision", "f16", "expected \"f32\" or \"f64\", found \"f16\""),
+        ("--precision", "f16", "expected \"f32\" or \"f64\" or \"double-double\", found \"f16\""),
         ("--backend", "paralel", "did you mean `parallel`?"),
         ("--integrator", "leapfog", "no integrator is named `leapfog`"),
         ("--every", "0", "expected a whole number, 1 or more, found 0"),

@@ -1,7 +1,7 @@
 //! Hard cases with known answers: each is read, set up from stock laws, and integrated to rounding.
 
 use vesper::prelude::*;
-use vesper_cli::assemble::integrators::integrator;
+use vesper_cli::assemble::integrators::{AUTO, integrator};
 use vesper_cli::scene::Precision as Numbers;
 use vesper_cli::study::{Answer, Case, Method, Patience, Problem, Run, Setting, answer, makers, measure, read};
 
@@ -11,8 +11,12 @@ fn cases() -> Vec<Case> {
 }
 
 fn run(case: &Case, name: &str, setting: Setting) -> Run {
+    run_in(Numbers::F64, case, name, setting)
+}
+
+fn run_in(numbers: Numbers, case: &Case, name: &str, setting: Setting) -> Run {
     let integrator = integrator(name).unwrap();
-    let method = Method { integrator, setting, numbers: Numbers::F64, compensated: false, backend: Backend::Auto };
+    let method = Method { integrator, setting, numbers, compensated: false, backend: Backend::Auto };
     measure(&Problem::of_case(case.clone()), &method, &Patience { limit: 600.0, ..Patience::default() }).unwrap()
 }
 
@@ -52,6 +56,35 @@ fn gauss_radau_comes_down_to_rounding() {
         }
     }
     assert!(above.is_empty(), "{above:#?}");
+}
+
+/// What is left in f64 on the hardest cases is rounding: with twice the digits it is gone, and what is seen is that of reading.
+#[test]
+fn double_double_numbers_come_down_where_f64_does_not() {
+    let cases = cases();
+    let errors = |id: &str, precision: f64| {
+        let case = cases.iter().find(|case| case.id == id).unwrap();
+        let error = |numbers| run_in(numbers, case, "gauss_radau_15", Setting::Tolerance(precision)).error.unwrap();
+        let [double, twice] = [Numbers::F64, Numbers::DoubleDouble].map(error);
+        println!("{id}: {double:.1e} in f64, {twice:.1e} in double-double");
+        (double, twice)
+    };
+    // Encounters multiply what is lost in the first one by 1e9 up to the end.
+    let (double, twice) = errors("pythagorean", 1e-9);
+    assert!(double > 1e-6 && twice < 1e-8, "{double:e} {twice:e}");
+    let (double, twice) = errors("kepler_e0.9999", 1e-8);
+    assert!(double > 1e-13 && twice < 1e-14, "{double:e} {twice:e}");
+    let (double, twice) = errors("hanging_chain_1000to1", 1e-8);
+    assert!(double > 1e-14 && twice < 2e-15, "{double:e} {twice:e}");
+}
+
+/// By the integrator that the structure of the laws suggests, as it is.
+#[test]
+fn the_integrator_of_the_laws_structure_ends_within_a_millionth_where_roundings_grow_most() {
+    let cases = cases();
+    let case = cases.iter().find(|case| case.id == "pythagorean").unwrap();
+    let run = run_in(Numbers::DoubleDouble, case, AUTO, Setting::Tolerance(f64::NAN));
+    assert!(run.error.unwrap() < 1e-6, "{run:?}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::tangent::TangentCall;
 use super::{Compile, Compiled, Kernel, MAX_SLOTS};
 use crate::law::{DynLaw, Mode, Part, Place};
 use crate::property::Role;
-use crate::real::{Dual, Isa, Scalar};
+use crate::real::{DoubleDouble, Dual, Isa, Scalar};
 use std::sync::Arc;
 
 impl Compile for DynLaw {
@@ -13,6 +13,9 @@ impl Compile for DynLaw {
         compiled(self)
     }
     fn compile_f64(&self) -> Compiled<f64> {
+        compiled(self)
+    }
+    fn compile_double_double(&self) -> Compiled<DoubleDouble> {
         compiled(self)
     }
 }

@@ -28,7 +28,7 @@ pub(crate) use row::{AHEAD, RowCall, RowKernel};
 pub(crate) use tangent::{DualReach, Reach, TangentCall};
 
 use crate::law::{Shape, Signature};
-use crate::real::{InPrecision, Scalar};
+use crate::real::{DoubleDouble, InPrecision, Scalar};
 use std::sync::Arc;
 
 /// Rows that a group of row laws takes at a time, of columns of so many bytes together: all laws of the group, then the next
@@ -58,13 +58,15 @@ pub trait Compile {
     fn compile_f32(&self) -> Compiled<f32>;
     /// The law with its loops, in f64.
     fn compile_f64(&self) -> Compiled<f64>;
+    /// The law with its loops, in double-double numbers.
+    fn compile_double_double(&self) -> Compiled<DoubleDouble>;
     /// The law with its loops, in precision `P`.
     fn compile<P: Scalar>(&self) -> Compiled<P> {
-        P::choose::<CompiledIn>(|| self.compile_f32(), || self.compile_f64())
+        P::choose::<CompiledIn>(|| self.compile_f32(), || self.compile_f64(), || self.compile_double_double())
     }
 }
 
-/// [`Compiled`] for either precision.
+/// [`Compiled`] for each precision.
 struct CompiledIn;
 
 impl InPrecision for CompiledIn {

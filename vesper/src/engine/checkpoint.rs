@@ -10,7 +10,7 @@ use crate::state::State;
 /// Everything that decides how a run goes on, as plain data; whoever saves it chooses the format.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
-    /// "f32" or "f64".
+    /// "f32", "f64" or "double-double".
     pub precision: String,
     /// The integrator's name.
     pub integrator: String,
@@ -58,7 +58,7 @@ pub struct ColumnData {
     pub property: String,
     /// The rows that have a value, where not all have.
     pub subset: Option<Vec<u32>>,
-    /// The numbers, one value after the other; an f32 is exact in f64.
+    /// The numbers, one value after the other; an f32 is exact in f64. Behind double-double numbers stand the second parts of all.
     pub numbers: Vec<f64>,
     /// The rows linked to, for a link.
     pub links: Vec<u32>,
@@ -78,7 +78,7 @@ impl<P: Scalar> Engine<P> {
             domain.columns().iter().try_for_each(|column| column.free(&domain.name, false))?;
         }
         let vectors = &self.pipeline.vectors;
-        let numbers = |array: &Aligned<P>| array.as_slice().iter().map(|number| number.to_f64()).collect();
+        let numbers = |array: &Aligned<P>| told(array.as_slice().iter().copied());
         Ok(Checkpoint {
             precision: P::NAME.to_owned(),
             integrator: self.integrator.name().to_owned(),
@@ -90,7 +90,7 @@ impl<P: Scalar> Engine<P> {
             origin: self.state.origin.map_or(Vec::new(), |origin| origin.numbers()),
             memory: if self.touched || self.stale { Vec::new() } else { self.integrator.memory() },
             domains: (0..self.state.domains().len()).map(|domain| self.domain_data(domain)).collect(),
-            registers: vectors.kept().iter().map(|array| vectors.packed(array)).collect(),
+            registers: vectors.kept().iter().map(|array| told(vectors.packed(array))).collect(),
             held: vectors
                 .held
                 .iter()
@@ -146,8 +146,9 @@ impl<P: Scalar> Engine<P> {
             {
                 let from = all.iter().find(|from| from.property == to.info.name);
                 let width = to.info.kind.width();
-                for (k, value) in from.iter().flat_map(|from| &from.numbers).enumerate().take(to.len() * width) {
-                    to.set_number(k / width, k % width, P::from_f64(*value));
+                let values = from.iter().flat_map(|from| untold(&from.numbers));
+                for (k, value) in values.enumerate().take(to.len() * width) {
+                    to.set_number(k / width, k % width, value);
                 }
             }
         }
@@ -159,12 +160,12 @@ impl<P: Scalar> Engine<P> {
         let vectors = &mut self.pipeline.vectors;
         let mut whole = vectors.kept().len() == checkpoint.registers.len();
         for (register, numbers) in checkpoint.registers.iter().enumerate().take(vectors.kept().len()) {
-            whole &= vectors.unpack(register, numbers);
+            whole &= vectors.unpack(register, untold(numbers));
         }
         let mut fill = |array: &mut Aligned<P>, numbers: &[f64]| {
-            whole &= array.as_slice().len() == numbers.len();
-            for (number, value) in array.as_mut_slice().iter_mut().zip(numbers) {
-                *number = P::from_f64(*value);
+            whole &= array.as_slice().len() * P::PARTS == numbers.len();
+            for (number, value) in array.as_mut_slice().iter_mut().zip(untold(numbers)) {
+                *number = value;
             }
         };
         let held = vectors.held.iter_mut().flat_map(|(_, shares)| shares.iter_mut().map(|(_, share)| share));
@@ -190,6 +191,18 @@ impl<P: Scalar> Engine<P> {
     }
 }
 
+/// Numbers as f64, and behind them what these leave out, where they do.
+fn told<P: Scalar>(numbers: impl Iterator<Item = P> + Clone) -> Vec<f64> {
+    let rests = numbers.clone().map(Scalar::rest).filter(|_| P::PARTS > 1);
+    numbers.map(Scalar::to_f64).chain(rests).collect()
+}
+
+/// The same numbers again.
+fn untold<P: Scalar>(all: &[f64]) -> impl ExactSizeIterator<Item = P> {
+    let count = all.len() / P::PARTS;
+    (0..count).map(move |k| P::from_parts(all[k], if P::PARTS > 1 { all[count + k] } else { 0.0 }))
+}
+
 fn column_data<P: Scalar>(column: &Column<P>) -> ColumnData {
     let links = column.links().map_or(Vec::new(), |(_, _, rows)| rows.to_vec());
     let width = column.property().kind.width();
@@ -197,7 +210,7 @@ fn column_data<P: Scalar>(column: &Column<P>) -> ColumnData {
     ColumnData {
         property: column.property().name.to_owned(),
         subset: column.subset().map(<[u32]>::to_vec),
-        numbers: (0..count).map(|k| column.number(k / width, k % width).to_f64()).collect(),
+        numbers: told((0..count).map(|k| column.number(k / width, k % width))),
         links,
     }
 }
@@ -255,21 +268,18 @@ fn fill<P: Scalar>(
     }
     match &mut column.storage {
         Storage::Split(components) => {
-            if data.numbers.len() != expected * width {
+            if data.numbers.len() != expected * width * P::PARTS {
                 return Err("has another number of values");
             }
             for (c, component) in components.iter_mut().enumerate() {
                 component.resize(expected);
-                for (number, value) in
-                    component.as_mut_slice().iter_mut().zip(data.numbers.iter().skip(c).step_by(width))
-                {
-                    *number = P::from_f64(*value);
-                }
+                let values = untold(&data.numbers).skip(c).step_by(width);
+                component.as_mut_slice().iter_mut().zip(values).for_each(|(number, value)| *number = value);
             }
         }
         Storage::Lent(memory) if memory.busy(true) => return Err("is borrowed by the client: let go of it first"),
         Storage::Lent(memory) => {
-            if data.numbers.len() != memory.rows() * width || expected != memory.rows() {
+            if data.numbers.len() != memory.rows() * width * P::PARTS || expected != memory.rows() {
                 return Err("is the client's memory, with another number of rows");
             }
         }

@@ -191,7 +191,9 @@ impl<P: Scalar> Pipeline<P> {
         let again = usize::from(pipeline.switches.any() && !integrator.is_adaptive());
         let work = integrator.work_vectors() + again;
         let differences = pipeline.registry.seats.iter().any(|seat| pipeline.takes_differences(seat.law));
-        let keeps = (compensated || integrator.compensates(P::EPSILON), rotates, differences);
+        // Numbers with more digits than f64 have what rounding errors would be kept for.
+        let keeps = P::EPSILON >= f64::EPSILON && (compensated || integrator.compensates(P::EPSILON));
+        let keeps = (keeps, rotates, differences);
         vectors::lay_together(&pipeline, state);
         pipeline.vectors = Vectors::new(&pipeline, state, work, keeps);
         pipeline.turners_at = pipeline.turners().flat_map(|by| pipeline.components(by, state)).collect();

@@ -58,11 +58,12 @@ pub(super) struct Sum<'a, P> {
 }
 
 impl<'a, P: Scalar> Sum<'a, P> {
-    /// The vectors of a row of weights, each from its first number on, without those whose weight is 0.
+    /// The vectors of a row of weights, each from its first number on, with its weight and what that is multiplied by; without
+    /// those whose weight is 0.
     #[inline(always)]
-    fn row(&self, (terms, at): (&'a Terms<'a>, usize)) -> impl Iterator<Item = (f64, *mut P)> {
+    fn row(&self, (terms, at): (&'a Terms<'a>, usize)) -> impl Iterator<Item = ([f64; 2], *mut P)> {
         let weighed = terms.weights.iter().zip(work_from(self.starts, terms)).filter(|(weight, _)| **weight != 0.0);
-        weighed.map(move |(weight, start)| (weight * terms.factor, start.wrapping_add(at)))
+        weighed.map(move |(weight, start)| ([*weight, terms.factor], start.wrapping_add(at)))
     }
 
     /// The single vectors, likewise.
@@ -89,8 +90,8 @@ impl<'a, P: Scalar> Sum<'a, P> {
         unsafe {
             let mut sums = [R::lit(self.nothing()); SETS];
             for terms in self.terms {
-                for (factor, from) in self.row(terms) {
-                    let factor = R::splat(P::from_f64(factor));
+                for ([weight, factor], from) in self.row(terms) {
+                    let factor = R::splat(P::from_product(weight, factor));
                     for set in 0..SETS {
                         sums[set] += R::load(from.add(starts[set])) * factor;
                     }
@@ -150,7 +151,7 @@ impl<'a, P: Scalar> Sum<'a, P> {
         // SAFETY: the caller promises the numbers.
         unsafe {
             for terms in self.terms {
-                self.row(terms).for_each(|(factor, from)| add(&mut sums, factor, from.add(at)));
+                self.row(terms).for_each(|([weight, factor], from)| add(&mut sums, weight * factor, from.add(at)));
             }
             for terms in self.terms {
                 self.others(terms).for_each(|(factor, from)| add(&mut sums, factor, from.add(at)));

@@ -237,18 +237,21 @@ impl<P: Scalar> Vectors<P> {
     }
 
     /// The numbers of one of them, without what is between components.
-    pub(crate) fn packed(&self, array: &Aligned<P>) -> Vec<f64> {
-        self.ranges(Part::All).flat_map(|(_, range)| &array.as_slice()[range]).map(|number| number.to_f64()).collect()
+    pub(crate) fn packed(&self, array: &Aligned<P>) -> impl Iterator<Item = P> + Clone {
+        let all = array.as_slice();
+        let places: Vec<usize> = self.ranges(Part::All).flat_map(|(_, range)| range).collect();
+        places.into_iter().map(move |at| all[at])
     }
 
     /// The same for numbers that are brought back to the vector of this number: whether there are as many as needed.
     /// [`Vectors::look_at_errors`] afterwards.
-    pub(crate) fn unpack(&mut self, register: usize, numbers: &[f64]) -> bool {
-        let ranges: Vec<_> = self.ranges(Part::All).map(|(_, range)| range).collect();
-        let fits = ranges.iter().map(ExactSizeIterator::len).sum::<usize>() == numbers.len();
-        let Some(array) = self.registers.get_mut(register).filter(|_| fits) else { return false };
+    pub(crate) fn unpack(&mut self, register: usize, numbers: impl ExactSizeIterator<Item = P>) -> bool {
+        let places: Vec<usize> = self.ranges(Part::All).flat_map(|(_, range)| range).collect();
+        let Some(array) = self.registers.get_mut(register).filter(|_| places.len() == numbers.len()) else {
+            return false;
+        };
         let all = array.as_mut_slice();
-        ranges.into_iter().flatten().zip(numbers).for_each(|(at, number)| all[at] = P::from_f64(*number));
+        places.into_iter().zip(numbers).for_each(|(at, number)| all[at] = number);
         true
     }
 

@@ -1,12 +1,13 @@
 //! Numbers that a law body is written in.
 //!
-//! In: nothing. Out: [`Real`] and [`Vector`], the two traits a law may use, implemented for `f32`, `f64` and
-//! SIMD lanes (one row per lane), and for [`Dual`], a number with its derivative. A law written against them runs unchanged in every one. Never: a loop over rows,
+//! In: nothing. Out: [`Real`] and [`Vector`], the two traits a law may use, implemented for `f32`, `f64`,
+//! SIMD lanes of them (one row per lane) and [`DoubleDouble`], and for [`Dual`], a number with its derivative. A law written against them runs unchanged in every one. Never: a loop over rows,
 //! a column, a law.
 //!
 //! Comparisons give a mask, and [`Real::select`] takes one: a branch would decide for one row, while a lane type
 //! holds several. Every operation rounds like the scalar one, so the width of the lanes never changes a result.
 
+mod double_double;
 mod dual;
 mod lanes;
 #[cfg(any(test, not(target_arch = "x86_64")))]
@@ -29,6 +30,7 @@ pub(crate) use x86::prefetch;
 /// Only where the processor's family has the instruction.
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) fn prefetch<P>(_from: *const P) {}
+pub use double_double::DoubleDouble;
 pub use dual::Dual;
 pub use lanes::{Isa, Lanes, WithLanes};
 pub(crate) use scalar::compiled_here;

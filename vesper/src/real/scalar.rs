@@ -1,46 +1,67 @@
-//! `f32` and `f64`: one row at a time, and the precision a whole engine runs in.
+//! `f32` and `f64`: one row at a time, and the precision a whole engine runs in, which may be [`DoubleDouble`], too.
 
 use super::lanes::{Isa, Lanes, WithLanes};
-use super::{Real, Vector};
+use super::{DoubleDouble, Real, Vector};
 
-/// The precision of a state: `f32` or `f64`. Both exist in one program, so that speed can be compared with error.
+/// The precision of a state: `f32`, `f64` or [`DoubleDouble`]. All exist in one program, so that speed can be compared with error.
 pub trait Scalar: Real + Lanes<Self> + PartialOrd + Default + core::fmt::Display + sealed::Sealed {
-    /// "f32" or "f64".
+    /// "f32", "f64" or "double-double".
     const NAME: &'static str;
     /// The distance from 1 to the next number.
     const EPSILON: f64;
     /// The nearest number of this precision.
     fn from_f64(value: f64) -> Self;
-    /// The same number in f64, exactly.
+    /// The product of two, rounded to this precision: not to f64 before, where this has more digits.
+    #[inline(always)]
+    fn from_product(a: f64, b: f64) -> Self {
+        Self::from_f64(a * b)
+    }
+    /// The nearest f64: the same number, unless it is a [`DoubleDouble`].
     fn to_f64(self) -> f64;
+    /// What [`Scalar::to_f64`] leaves out.
+    #[inline(always)]
+    fn rest(self) -> f64 {
+        0.0
+    }
+    /// The sum of a number and what it leaves out.
+    #[inline(always)]
+    fn from_parts(number: f64, _rest: f64) -> Self {
+        Self::from_f64(number)
+    }
+    /// How many f64 hold one number.
+    const PARTS: usize = 1;
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
     /// Its bits, for hashes and exact comparison.
     fn bits(self) -> u64;
-    /// The one of two things that is made for this precision.
-    fn choose<T: InPrecision>(single: impl FnOnce() -> T::Of<f32>, double: impl FnOnce() -> T::Of<f64>) -> T::Of<Self>;
+    /// The one of three things that is made for this precision.
+    fn choose<T: InPrecision>(
+        single: impl FnOnce() -> T::Of<f32>,
+        double: impl FnOnce() -> T::Of<f64>,
+        twice: impl FnOnce() -> T::Of<DoubleDouble>,
+    ) -> T::Of<Self>;
     /// Runs `task` in the widest lanes of the instruction set `isa`.
     fn with_lanes<T: WithLanes<Self>>(isa: Isa, task: T) -> T::Output;
 }
 
-/// Something that there is for either precision.
+/// Something that there is for each precision.
 pub trait InPrecision {
     /// It, for precision `P`.
     type Of<P: Scalar>;
 }
 
-/// A function of the precision that is compiled in this crate, once for `f32` and once for `f64`, and not again in every
+/// A function of the precision that is compiled in this crate, once for each precision, and not again in every
 /// program that calls it: an engine is thousands of functions, and most of what a short program would compile
 /// (`cargo rustc --example first_law -- -Z time-passes` shows it on nightly).
 macro_rules! compiled_here {
     (<$precision:ident> |$($argument:ident: $type:ty),+| -> $result:ty { $body:expr }) => {{
         use $crate::real::{InPrecision, Scalar};
-        struct Either;
-        impl InPrecision for Either {
+        struct Each;
+        impl InPrecision for Each {
             type Of<$precision: Scalar> = fn($($type),+) -> $result;
         }
         // What is not generic is compiled where it stands, if nobody inlines it.
-        let single = || -> <Either as InPrecision>::Of<f32> {
+        let single = || -> <Each as InPrecision>::Of<f32> {
             type $precision = f32;
             #[inline(never)]
             fn single($($argument: $type),+) -> $result {
@@ -48,7 +69,7 @@ macro_rules! compiled_here {
             }
             single
         };
-        let double = || -> <Either as InPrecision>::Of<f64> {
+        let double = || -> <Each as InPrecision>::Of<f64> {
             type $precision = f64;
             #[inline(never)]
             fn double($($argument: $type),+) -> $result {
@@ -56,20 +77,29 @@ macro_rules! compiled_here {
             }
             double
         };
-        <$precision as Scalar>::choose::<Either>(single, double)
+        let twice = || -> <Each as InPrecision>::Of<$crate::real::DoubleDouble> {
+            type $precision = $crate::real::DoubleDouble;
+            #[inline(never)]
+            fn twice($($argument: $type),+) -> $result {
+                $body
+            }
+            twice
+        };
+        <$precision as Scalar>::choose::<Each>(single, double, twice)
     }};
 }
 pub(crate) use compiled_here;
 
 mod sealed {
-    /// Keeps `Scalar` to the two precisions that the backends are made for.
+    /// Keeps `Scalar` to the precisions that the backends are made for.
     pub trait Sealed {}
     impl Sealed for f32 {}
     impl Sealed for f64 {}
+    impl Sealed for super::DoubleDouble {}
 }
 
 macro_rules! scalar {
-    ($scalar:ident, $vector:ty, $baseline:ident, $avx2:ident, $avx512:ident, |$single:ident, $double:ident| $chosen:ident) => {
+    ($scalar:ident, $vector:ty, $baseline:ident, $avx2:ident, $avx512:ident, |$single:ident, $double:ident, $twice:ident| $chosen:ident) => {
         impl Real for $scalar {
             type Vec3 = $vector;
             type Mask = bool;
@@ -194,8 +224,9 @@ macro_rules! scalar {
             fn choose<T: InPrecision>(
                 $single: impl FnOnce() -> T::Of<f32>,
                 $double: impl FnOnce() -> T::Of<f64>,
+                $twice: impl FnOnce() -> T::Of<DoubleDouble>,
             ) -> T::Of<Self> {
-                let _ = (&$single, &$double);
+                let _ = (&$single, &$double, &$twice);
                 $chosen()
             }
             #[inline(always)]
@@ -214,5 +245,5 @@ macro_rules! scalar {
         }
     };
 }
-scalar!(f32, glam::Vec3, BaselineF32, Avx2F32, Avx512F32, |single, double| single);
-scalar!(f64, glam::DVec3, BaselineF64, Avx2F64, Avx512F64, |single, double| double);
+scalar!(f32, glam::Vec3, BaselineF32, Avx2F32, Avx512F32, |single, double, twice| single);
+scalar!(f64, glam::DVec3, BaselineF64, Avx2F64, Avx512F64, |single, double, twice| double);

@@ -42,6 +42,11 @@ fn a_run_goes_on_from_a_checkpoint_in_f64() {
 }
 
 #[test]
+fn a_run_goes_on_from_a_checkpoint_in_double_double() {
+    goes_on::<DoubleDouble>();
+}
+
+#[test]
 fn a_run_goes_on_from_a_checkpoint_in_f32() {
     goes_on::<f32>();
 }

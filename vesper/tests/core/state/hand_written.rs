@@ -79,6 +79,9 @@ impl<const READ: usize, const WRITTEN: usize> Compile for Counted<READ, WRITTEN>
     fn compile_f64(&self) -> Compiled<f64> {
         row(self)
     }
+    fn compile_double_double(&self) -> Compiled<DoubleDouble> {
+        row(self)
+    }
 }
 
 fn heat(law: impl Compile) -> Result<Vec<f64>, ()> {
