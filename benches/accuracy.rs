@@ -6,7 +6,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use vesper::prelude::Backend;
+use vesper::prelude::{Auto, Backend};
 use vesper_benches::Run as Mode;
 use vesper_cli::assemble::integrators::{AUTO, integrator};
 use vesper_cli::scene::Precision;
@@ -91,8 +91,7 @@ fn by_default(problem: &Problem) -> ByDefault {
 /// The error with the integrator that the declared structure of the laws suggests, as it is.
 fn suggested(problem: &Problem, numbers: Precision) -> f64 {
     let integrator = integrator(AUTO).expect("there is one for scenes that name none");
-    // It has no tolerance that anybody gives.
-    let setting = Setting::Tolerance(f64::NAN);
+    let setting = Setting::Tolerance(Auto::default().precision);
     let method = Method { integrator, setting, numbers, compensated: false, backend: Backend::Auto };
     let run = measure(problem, &method, &Patience { limit: LONG, ..Patience::default() });
     let error = run.ok().filter(|run| run.broke.is_none()).and_then(|run| run.error).unwrap_or(f64::INFINITY);

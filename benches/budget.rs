@@ -97,7 +97,7 @@ fn main() {
 fn judge(given: &Problem, error: f64) -> Verdict {
     let patience = Patience { limit: LIMIT, ..Patience::default() };
     let numbers = vec![Precision::F64, Precision::F32];
-    let grid = Grid { numbers, enough: Some(error), ..Grid::of_all(patience.clone()) };
+    let grid = Grid { numbers, widens: false, enough: Some(error), ..Grid::of_all(patience.clone()) };
     let budget = Budget { error, fps: None };
     let (mut blind, mut log) = (given.clone().without_answer(), Findings::default());
     let begin = Instant::now();

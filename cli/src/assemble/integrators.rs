@@ -27,8 +27,8 @@ pub const INTEGRATORS: &[NamedIntegrator] = &[
     NamedIntegrator {
         name: AUTO,
         about: "what the structure of the laws suggests: gauss_radau_15 mostly, respa or leapfrog with `every`",
-        options: &[],
-        make: |_| Box::new(Auto::default()),
+        options: &["precision"],
+        make: |option| Box::new(Auto::new(option("precision", Auto::default().precision))),
     },
     NamedIntegrator {
         name: "explicit_euler",

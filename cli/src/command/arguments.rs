@@ -165,8 +165,8 @@ pub struct Study {
     /// Tolerances of adaptive integrators to try [default: tenths]
     #[arg(long, value_name = "T,..", value_delimiter = ',', allow_negative_numbers = true)]
     pub tolerances: Vec<String>,
-    /// Number types to try
-    #[arg(long, value_name = "f32,f64,double-double", value_delimiter = ',', default_value = "f64")]
+    /// Number types to try [default: f64, and double-double where rounding limits an integrator that gains by it]
+    #[arg(long, value_name = "f32,f64,double-double", value_delimiter = ',')]
     pub precisions: Vec<String>,
     /// Every run also with the rounding errors of the state kept and added back [default: those that rounding limits]
     #[arg(long)]

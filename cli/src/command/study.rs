@@ -13,7 +13,7 @@ use crate::assemble;
 use crate::assemble::integrators::{self, NamedIntegrator};
 use crate::fault::SceneFault;
 use crate::output::json;
-use crate::scene::{PRECISIONS, Scene};
+use crate::scene::{PRECISIONS, Precision as Numbers, Scene};
 use crate::study::{
     Attribution, Budget, Findings, Grid, Keeper, Method, Patience, Problem, Refusal, Run, choice, diagram, makers,
     read, shares, table, written,
@@ -310,10 +310,14 @@ fn grid(arguments: &Study) -> Result<Grid, Vec<SceneFault>> {
         [] => integrators::methods().collect(),
         list => asked(list),
     };
+    let widens = arguments.precisions.is_empty();
     let precisions = words("--precisions", &arguments.precisions, &PRECISIONS);
     let backends = [("auto", Backend::Auto), ("cpu", Backend::Cpu), ("parallel", Backend::Parallel)];
     let backends = words("--backends", &arguments.backends, &backends);
-    let precisions = precisions.map_err(|more| faults.extend(more)).unwrap_or_default();
+    let mut precisions = precisions.map_err(|more| faults.extend(more)).unwrap_or_default();
+    if widens {
+        precisions.push(Numbers::F64);
+    }
     let backends = backends.map_err(|more| faults.extend(more)).unwrap_or_default();
     if !faults.is_empty() {
         return Err(faults);
@@ -323,6 +327,7 @@ fn grid(arguments: &Study) -> Result<Grid, Vec<SceneFault>> {
         steps,
         tolerances,
         numbers: precisions,
+        widens,
         compensated: arguments.compensated,
         backends,
         enough: None,

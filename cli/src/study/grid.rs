@@ -14,7 +14,7 @@ use vesper::prelude::*;
 
 use super::measure::{Method, Patience, Run, Setting, answer, measure};
 use super::problem::Problem;
-use crate::assemble::integrators::{NamedIntegrator, integrator, methods};
+use crate::assemble::integrators::{AUTO, NamedIntegrator, integrator, methods};
 use crate::run::stable;
 use crate::scene::Precision as Numbers;
 
@@ -29,6 +29,8 @@ pub struct Grid {
     pub tolerances: Option<Vec<f64>>,
     /// Number types.
     pub numbers: Vec<Numbers>,
+    /// Whether integrators that gain by it go on in double-double numbers, where rounding limits them in f64.
+    pub widens: bool,
     /// Whether all runs are also made with rounding errors kept and added back; if not, those that rounding limits are.
     pub compensated: bool,
     /// Where laws run.
@@ -48,6 +50,7 @@ impl Grid {
             steps: None,
             tolerances: None,
             numbers: vec![Numbers::F64],
+            widens: true,
             compensated: false,
             backends: vec![Backend::Auto],
             enough: None,
@@ -100,6 +103,8 @@ const LONGER: f64 = 4.0;
 const STALLED: usize = 2;
 /// Errors, in f64 and f32, above which a run that came no nearer says nothing: its steps do not yet resolve the motion.
 const RESOLVED: [f64; 2] = [1e-5, 1e-2];
+/// What rounding may leave of an answer before more digits than f64 are tried.
+const LEFT: f64 = 1e-12;
 /// A run that is so many times as fast as another one, and as near to the answer, ends that one's integrator.
 const BEATEN: f64 = 10.0;
 /// Times of what comes to an error that is enough, after which one that has not come to it is given up: more than 1, as clocks
@@ -152,11 +157,13 @@ impl Grid {
                     let setting = Setting::Step(first);
                     let plain = Method { integrator, setting, numbers, compensated: false, backend };
                     let kept = Method { compensated: true, ..plain };
+                    let wide = Method { numbers: Numbers::DoubleDouble, ..plain };
+                    let made = (integrator.make)(&|_, usual| usual);
+                    let widens = self.widens && numbers == Numbers::F64 && made.is_beyond_f64();
                     let done = climb.up(plain, 0).and_then(|floor| match floor {
                         _ if self.compensated => climb.up(kept, 0),
-                        Some(rung) if !(integrator.make)(&|_, usual| usual).compensates(f64::EPSILON) => {
-                            climb.up(kept, rung)
-                        }
+                        Some(floor) if widens && floor.error > LEFT => climb.up(wide, floor.rung),
+                        Some(floor) if !made.compensates(f64::EPSILON) => climb.up(kept, floor.rung),
                         _ => Ok(None),
                     });
                     if let Err(reason) = done {
@@ -199,6 +206,9 @@ impl Grid {
                 (_, Numbers::F32) => 0..=4,
                 (_, Numbers::DoubleDouble) => 0..=12,
             };
+            // What is chosen for everybody is not made coarser than it is.
+            let coarsest = if method.integrator.name == AUTO { -usual(method).log10().round() as i32 } else { 0 };
+            let tenths = *tenths.start().max(&coarsest.min(*tenths.end()))..=*tenths.end();
             let tolerance = match &self.tolerances {
                 Some(given) => *given.get(rung)?,
                 None => tenths.map(|tenths| 10f64.powi(-tenths)).nth(rung)?,
@@ -228,9 +238,16 @@ struct Climb<'a> {
     keeper: &'a mut dyn Keeper,
 }
 
+/// Where an integrator is at its best.
+struct Floor {
+    /// The rung behind which it comes no nearer.
+    rung: usize,
+    error: f64,
+}
+
 impl Climb<'_> {
-    /// One integrator, from a rung on to finer ones. The rung from which on it comes no nearer, if there is one.
-    fn up(&mut self, method: Method, from: usize) -> Result<Option<usize>, String> {
+    /// One integrator, from a rung on to finer ones. Where it comes no nearer, if it comes there.
+    fn up(&mut self, method: Method, from: usize) -> Result<Option<Floor>, String> {
         let Climb { grid, problem, .. } = *self;
         let limit = self.patience.limit;
         let made = (method.integrator.make)(&|_, usual| usual);
@@ -241,9 +258,13 @@ impl Climb<'_> {
         let mut told = method.compensated;
         let given = if adaptive { grid.tolerances.is_some() } else { grid.steps.is_some() };
         let resolved = RESOLVED[usize::from(method.numbers == Numbers::F32)];
-        let (mut best, mut stalled, mut before) = (f64::INFINITY, 0, 0.0);
+        let (mut best, mut nearest, mut stalled, mut before) = (f64::INFINITY, from, 0, 0.0);
         for rung in from.. {
-            let Some(setting) = grid.setting(&method, adaptive, first, rung) else { return Ok(None) };
+            let Some(setting) = grid.setting(&method, adaptive, first, rung) else {
+                // Nothing finer is left in f64.
+                let left = made.is_beyond_f64() && best.is_finite() && !given;
+                return Ok(left.then_some(Floor { rung: nearest, error: best }));
+            };
             let method = Method { setting, ..method };
             if let (Some(stable), Setting::Step(step)) = (&stable, setting)
                 && let Some(text) = stable::too_long(method.integrator.name, step, stable)
@@ -277,16 +298,22 @@ impl Climb<'_> {
             self.keeper.ran(run);
             if let Some(error) = error {
                 stalled = if error < 0.7 * best { 0 } else { stalled + 1 };
-                best = best.min(error);
+                if error < best {
+                    (best, nearest) = (error, rung);
+                }
                 self.known.push([wall, error]);
+            }
+            // At loose tolerances it may be something else that limits a step, and all runs are alike; or bodies meet that
+            // would have missed each other, and no step is short enough.
+            let usual_yet = !matches!(setting, Setting::Tolerance(tolerance) if tolerance > usual);
+            if gave_up && !usual_yet {
+                continue;
             }
             // What the next one will take, if it grows as it did.
             let next = wall * if rung == from { 2.0 } else { (wall / f64::max(before, 1e-9)).clamp(1.0, 2.0) };
             before = wall;
-            // At loose tolerances it may be something else that limits a step, and all runs are alike.
-            let usual_yet = !matches!(setting, Setting::Tolerance(tolerance) if tolerance > usual);
             if stalled >= STALLED && best < resolved && usual_yet && !given {
-                return Ok(Some(rung - stalled));
+                return Ok(Some(Floor { rung: rung - stalled, error: best }));
             }
             // What it may come to, if its order holds.
             let hoped = best * 0.5f64.powi(made.order().min(50) as i32);

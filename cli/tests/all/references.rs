@@ -3,7 +3,9 @@
 use vesper::prelude::*;
 use vesper_cli::assemble::integrators::{AUTO, integrator};
 use vesper_cli::scene::Precision as Numbers;
-use vesper_cli::study::{Answer, Case, Method, Patience, Problem, Run, Setting, answer, makers, measure, read};
+use vesper_cli::study::{
+    Answer, Case, Findings, Grid, Method, Patience, Problem, Run, Setting, answer, makers, measure, read,
+};
 
 fn cases() -> Vec<Case> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/references.json");
@@ -64,9 +66,11 @@ fn double_double_numbers_come_down_where_f64_does_not() {
     let cases = cases();
     let errors = |id: &str, precision: f64| {
         let case = cases.iter().find(|case| case.id == id).unwrap();
-        let error = |numbers| run_in(numbers, case, "gauss_radau_15", Setting::Tolerance(precision)).error.unwrap();
-        let [double, twice] = [Numbers::F64, Numbers::DoubleDouble].map(error);
-        println!("{id}: {double:.1e} in f64, {twice:.1e} in double-double");
+        let run = |numbers| run_in(numbers, case, "gauss_radau_15", Setting::Tolerance(precision));
+        let [double, twice] = [Numbers::F64, Numbers::DoubleDouble].map(run);
+        let by = twice.wall[0] / double.wall[0];
+        let [double, twice] = [double, twice].map(|run| run.error.unwrap());
+        println!("{id}: {double:.1e} in f64, {twice:.1e} in double-double, in {by:.0} times the time");
         (double, twice)
     };
     // Encounters multiply what is lost in the first one by 1e9 up to the end.
@@ -83,8 +87,26 @@ fn double_double_numbers_come_down_where_f64_does_not() {
 fn the_integrator_of_the_laws_structure_ends_within_a_millionth_where_roundings_grow_most() {
     let cases = cases();
     let case = cases.iter().find(|case| case.id == "pythagorean").unwrap();
-    let run = run_in(Numbers::DoubleDouble, case, AUTO, Setting::Tolerance(f64::NAN));
+    let run = run_in(Numbers::DoubleDouble, case, AUTO, Setting::Tolerance(Auto::default().precision));
     assert!(run.error.unwrap() < 1e-6, "{run:?}");
+}
+
+#[test]
+fn a_study_goes_on_in_double_double_where_rounding_limits_f64() {
+    let cases = cases();
+    let integrators = vec![integrator(AUTO).unwrap()];
+    let grid = Grid { integrators, ..Grid::of_all(Patience { limit: 60.0, ..Patience::default() }) };
+    for (id, within) in [("pythagorean", 1e-6), ("kepler_e0.9999", 1e-13), ("pleiades", 1e-12)] {
+        let case = cases.iter().find(|case| case.id == id).unwrap();
+        let mut found = Findings::default();
+        grid.study(&mut Problem::of_case(case.clone()), &mut found);
+        let best = found.best(id).unwrap();
+        println!("{id}: {:.1e} by {:?}", best.error.unwrap(), best.method);
+        assert!(best.error.unwrap() < within, "{best:?}");
+        // What f64 comes down to it does not do again.
+        let twice = found.runs.iter().any(|run| run.method.numbers == Numbers::DoubleDouble);
+        assert_eq!(twice, id != "pleiades", "{id}");
+    }
 }
 
 #[test]

@@ -16,6 +16,8 @@ use crate::error::Fault;
 
 /// Takes the integrator that the structure of the laws suggests.
 pub struct Auto {
+    /// That of [`GaussRadau15`], where it is chosen.
+    pub precision: f64,
     chosen: Box<dyn Integrator>,
     /// Whether the laws have been seen.
     settled: bool,
@@ -29,7 +31,14 @@ impl core::fmt::Debug for Auto {
 
 impl Default for Auto {
     fn default() -> Self {
-        Auto { chosen: Box::<GaussRadau15>::default(), settled: false }
+        Auto::new(GaussRadau15::default().precision)
+    }
+}
+
+impl Auto {
+    /// With this precision of [`GaussRadau15`], where it is chosen.
+    pub fn new(precision: f64) -> Self {
+        Auto { precision, chosen: Box::new(GaussRadau15::new(precision)), settled: false }
     }
 }
 
@@ -52,6 +61,9 @@ impl Integrator for Auto {
     fn compensates(&self, epsilon: f64) -> bool {
         self.chosen.compensates(epsilon)
     }
+    fn is_beyond_f64(&self) -> bool {
+        self.chosen.is_beyond_f64()
+    }
     fn rotates(&self) -> bool {
         self.chosen.rotates()
     }
@@ -69,7 +81,7 @@ impl Integrator for Auto {
         } else if structure.every.is_some() || structure.amends.is_some() {
             Box::<Leapfrog>::default()
         } else {
-            Box::<GaussRadau15>::default()
+            Box::new(GaussRadau15::new(self.precision))
         };
         let changes = chosen.name() != self.chosen.name();
         self.chosen = chosen;

@@ -149,6 +149,10 @@ pub trait Integrator: Send {
     fn compensates(&self, _epsilon: f64) -> bool {
         false
     }
+    /// Whether its tables have more digits than f64, so that a state in double-double numbers gains by it.
+    fn is_beyond_f64(&self) -> bool {
+        false
+    }
     /// Whether it asks for what turns momenta apart from their other rates.
     fn rotates(&self) -> bool {
         false
