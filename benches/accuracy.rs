@@ -31,6 +31,8 @@ const WHY: [(&str, &str); 3] = [
     ),
 ];
 
+/// Time that it may take in double-double numbers, in s.
+const WIDE: f64 = 30.0;
 /// Time that the integrator of the laws' own structure may take for one case, in s: the one of a million periods takes it.
 const LONG: f64 = 900.0;
 
@@ -44,7 +46,8 @@ fn main() {
     let cases = read(&text).expect("they are cases");
     let chosen = |id: &str| mode == Mode::Measure || SMALL.contains(&id);
     let problems: Vec<Problem> = cases.into_iter().filter(|case| chosen(&case.id)).map(Problem::of_case).collect();
-    let grid = Grid::of_all(Patience { limit: 1.0, ..Patience::default() });
+    // What f64 comes to; where that is not all, more digits are told of apart.
+    let grid = Grid { widens: false, ..Grid::of_all(Patience { limit: 1.0, ..Patience::default() }) };
     let mut log = Findings::default();
     let begin = Instant::now();
     for problem in &problems {
@@ -53,7 +56,7 @@ fn main() {
         let nearest = log.best(&problem.id).and_then(|run| run.error);
         println!("accuracy {}: {:.0e} at best", problem.id, nearest.unwrap_or(f64::NAN));
     }
-    let defaults: Vec<ByDefault> = problems.iter().map(by_default).collect();
+    let defaults: Vec<ByDefault> = problems.iter().map(|problem| by_default(problem, &log)).collect();
     let claims = claims(&problems);
     let minutes = begin.elapsed().as_secs_f64() / 60.0;
     let page = page(&log, (&problems, &defaults), &claims, minutes);
@@ -82,18 +85,27 @@ struct ByDefault {
     twice: Option<f64>,
 }
 
-fn by_default(problem: &Problem) -> ByDefault {
-    let double = suggested(problem, Precision::F64);
-    let twice = (double > GOOD).then(|| suggested(problem, Precision::DoubleDouble));
+fn by_default(problem: &Problem, findings: &Findings) -> ByDefault {
+    let double = suggested(problem, Precision::F64, LONG);
+    let limited = double > GOOD || floors(findings, &problem.id) > 1.0;
+    let twice = limited.then(|| suggested(problem, Precision::DoubleDouble, WIDE)).filter(|error| error.is_finite());
     ByDefault { double, twice }
 }
 
+/// The error of the nearest run, by the floor of a case.
+fn floors(findings: &Findings, case: &str) -> f64 {
+    let known = findings.of(case).filter_map(|run| run.by_floor).fold(f64::INFINITY, f64::min);
+    let error = findings.best(case).and_then(|run| run.error).unwrap_or(f64::INFINITY);
+    // A case that does not say how errors grow is held to the least floor.
+    if known.is_finite() { known } else { error / 1e-12 }
+}
+
 /// The error with the integrator that the declared structure of the laws suggests, as it is.
-fn suggested(problem: &Problem, numbers: Precision) -> f64 {
+fn suggested(problem: &Problem, numbers: Precision, limit: f64) -> f64 {
     let integrator = integrator(AUTO).expect("there is one for scenes that name none");
     let setting = Setting::Tolerance(Auto::default().precision);
     let method = Method { integrator, setting, numbers, compensated: false, backend: Backend::Auto };
-    let run = measure(problem, &method, &Patience { limit: LONG, ..Patience::default() });
+    let run = measure(problem, &method, &Patience { limit, ..Patience::default() });
     let error = run.ok().filter(|run| run.broke.is_none()).and_then(|run| run.error).unwrap_or(f64::INFINITY);
     println!("accuracy {}: {error:.0e} by default in {numbers:?}", problem.id);
     error
@@ -161,23 +173,16 @@ fn page(
          gets without luck. Times are medians on a shared machine: they tell factors, not per cents. Each case's name leads \
          to its diagram.\n",
     );
-    let by_floor = |case: &str| findings.of(case).filter_map(|run| run.by_floor).fold(f64::INFINITY, f64::min);
-    // A case that does not say how errors grow is held to the least floor.
-    let floors = |case: &str| {
-        let known = by_floor(case);
-        let error = findings.best(case).and_then(|run| run.error).unwrap_or(f64::INFINITY);
-        if known.is_finite() { known } else { error / 1e-12 }
-    };
-    let within = problems.iter().filter(|problem| floors(&problem.id) <= 1.0).count();
-    line(&format!("**{within} of {} cases come down to their floor.** The others:\n", problems.len()));
-    for problem in problems.iter().filter(|problem| floors(&problem.id) > 1.0) {
+    let within = problems.iter().filter(|problem| floors(findings, &problem.id) <= 1.0).count();
+    line(&format!("**{within} of {} cases come down to their floor in f64.** The others:\n", problems.len()));
+    for problem in problems.iter().filter(|problem| floors(findings, &problem.id) > 1.0) {
         let why = WHY.iter().find(|(case, _)| *case == problem.id).map_or("not explained yet", |(_, why)| why);
-        line(&format!("- `{}`: {:.1} floors; {why}", problem.id, floors(&problem.id)));
+        line(&format!("- `{}`: {:.1} floors; {why}", problem.id, floors(findings, &problem.id)));
     }
     let good = defaults.iter().filter(|error| error.double <= GOOD).count();
     line(&format!(
         "\n**`auto`, which the declared structure of the laws alone decides, ends within {GOOD:.0e} on {good} of {} in f64.** \
-         The others, in f64 and in double-double numbers:\n",
+         Where rounding limits f64, its error there and in double-double numbers:\n",
         problems.len()
     ));
     for (problem, ByDefault { double, twice }) in problems.iter().zip(defaults) {
@@ -197,7 +202,7 @@ fn page(
             let run = findings.cheapest(case, level);
             run.map_or("-".to_owned(), |run| format!("{} {}", time(run.wall[0]), run.method.integrator.name))
         });
-        let floors = floors(case);
+        let floors = floors(findings, case);
         line(&format!(
             "| [`{case}`]({case}.svg) | {error:.0e} | {floors:.2} | {by} | {:.0e} | {} |",
             default.double,

@@ -62,13 +62,15 @@ pub struct Ratio {
     pub by: [f64; 3],
 }
 
-/// The times to an error, and their ratio, turn by turn: what slows the machine slows both. `None` where one of them does not
-/// come to it.
+/// The times to an error, and their ratio, turn by turn: what slows the machine slows both. Turns in which noise made one of them
+/// skip it do not count. `None` where one of them does not come to it.
 pub fn ratio(ours: &Curve, theirs: &Curve, error: f64) -> Option<Ratio> {
     let turns = 0..ours.turns().min(theirs.turns());
-    let pairs: Option<Vec<[f64; 2]>> =
-        turns.map(|turn| Some([ours.time_to(error, turn)?, theirs.time_to(error, turn)?])).collect();
-    let pairs = pairs.filter(|pairs| !pairs.is_empty())?;
+    let pairs: Vec<[f64; 2]> =
+        turns.filter_map(|turn| Some([ours.time_to(error, turn)?, theirs.time_to(error, turn)?])).collect();
+    if pairs.is_empty() {
+        return None;
+    }
     let all = |of: fn(&[f64; 2]) -> f64| pairs.iter().map(of).collect::<Vec<f64>>();
     let by = all(|[own, peer]| own / peer);
     let [least, most] = [f64::min, f64::max].map(|pick| by.iter().copied().reduce(pick).unwrap_or(f64::NAN));

@@ -1,6 +1,6 @@
 //! From a scene to an engine, or to everything that is wrong with it.
 //!
-//! In: a [`Scene`], which knows no property and no law. Out: an [`Engine`] in either precision, or [`SceneFault`]s at
+//! In: a [`Scene`], which knows no property and no law. Out: an [`Engine`] in any precision, or [`SceneFault`]s at
 //! their places: what the scene's names do not mean, and what the library finds wrong with the rest. Never: a step.
 
 pub mod integrators;

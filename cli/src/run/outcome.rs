@@ -1,6 +1,6 @@
 //! A run, told: everything that a user wants to know of it.
 //!
-//! In: an engine at its end. Out: plain data, the same for either precision. Never: a file, a format.
+//! In: an engine at its end. Out: plain data, the same for each precision. Never: a file, a format.
 
 use vesper::prelude::*;
 

@@ -160,12 +160,21 @@ impl Grid {
                     let wide = Method { numbers: Numbers::DoubleDouble, ..plain };
                     let made = (integrator.make)(&|_, usual| usual);
                     let widens = self.widens && numbers == Numbers::F64 && made.is_beyond_f64();
-                    let done = climb.up(plain, 0).and_then(|floor| match floor {
-                        _ if self.compensated => climb.up(kept, 0),
-                        Some(floor) if widens && floor.error > LEFT => climb.up(wide, floor.rung),
-                        Some(floor) if !made.compensates(f64::EPSILON) => climb.up(kept, floor.rung),
-                        _ => Ok(None),
-                    });
+                    // Double-double numbers have no rounding errors to keep.
+                    let keeps = numbers != Numbers::DoubleDouble && !made.compensates(f64::EPSILON);
+                    let mut climbs = || {
+                        let floor = climb.up(plain, 0)?;
+                        match &floor {
+                            _ if self.compensated && numbers != Numbers::DoubleDouble => _ = climb.up(kept, 0)?,
+                            Some(floor) if keeps => _ = climb.up(kept, floor.rung)?,
+                            _ => {}
+                        }
+                        if let Some(floor) = floor.filter(|floor| widens && floor.error > LEFT) {
+                            climb.up(wide, floor.rung)?;
+                        }
+                        Ok::<(), String>(())
+                    };
+                    let done = climbs();
                     if let Err(reason) = done {
                         let (case, integrator) = (problem.id.clone(), integrator.name.to_owned());
                         climb.keeper.refused(Refusal { case, integrator, longer_steps: false, reason });
@@ -253,6 +262,9 @@ impl Climb<'_> {
         let made = (method.integrator.make)(&|_, usual| usual);
         let adaptive = made.is_adaptive();
         let Setting::Step(first) = method.setting else { return Ok(None) };
+        if method.integrator.name == AUTO {
+            method.suggests_an_adaptive_one(problem)?;
+        }
         let usual = usual(&method);
         let stable = if adaptive { None } else { method.longest(problem) };
         let mut told = method.compensated;

@@ -152,6 +152,17 @@ impl Method {
         stable::longest(&mut engine)
     }
 
+    /// Whether an integrator that goes by the laws chooses its own steps for those of a problem; if not, which one it chose.
+    pub(super) fn suggests_an_adaptive_one(&self, problem: &Problem) -> Result<(), String> {
+        let engine = problem.engine::<f64>(|builder| self.configure(builder, 0.0))?;
+        let chosen = engine.integrator();
+        if chosen.is_adaptive() {
+            return Ok(());
+        }
+        let (name, chosen) = (self.integrator.name, chosen.name());
+        Err(format!("for these laws {name} is {chosen}, which takes fixed steps: study that"))
+    }
+
     /// Goes through a problem once; `looks`: whether at what should be kept.
     pub(super) fn go(&self, problem: &Problem, patience: &Patience, looks: bool) -> Result<Went, String> {
         match self.numbers {

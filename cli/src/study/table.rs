@@ -9,6 +9,7 @@ use super::budget::Budget;
 use super::findings::{Findings, LEVELS, Told, number_type};
 use super::measure::{Method, Run};
 use super::problem::Problem;
+use crate::scene::Precision;
 
 /// The table.
 pub fn table(findings: &Findings) -> String {
@@ -97,12 +98,22 @@ fn error(error: Option<f64>) -> String {
     }
 }
 
+/// The integrator of a run, with the number type where that is not the usual one.
+fn by(run: &Run) -> String {
+    let Method { integrator, numbers, .. } = run.method;
+    if numbers == Precision::F64 {
+        integrator.name.to_owned()
+    } else {
+        format!("{}, {}", integrator.name, number_type(numbers))
+    }
+}
+
 /// A line for each problem: the nearest run, and the fastest at some errors.
 fn many(findings: &Findings) -> String {
     let width = findings.answers.iter().map(|(case, _)| case.len()).max().unwrap_or(4).max(4);
-    let mut text = format!("{:width$}  {:>7}  {:>6}  {:18}", "case", "nearest", "floors", "by");
+    let mut text = format!("{:width$}  {:>7}  {:>6}  {:30}", "case", "nearest", "floors", "by");
     for level in LEVELS {
-        _ = write!(text, "  {:26}", format!("fastest at {level:e}"));
+        _ = write!(text, "  {:39}", format!("fastest at {level:e}"));
     }
     text = text.trim_end().to_owned();
     text.push('\n');
@@ -117,16 +128,15 @@ fn many(findings: &Findings) -> String {
         let floors =
             if by_floor.is_finite() { crate::output::rounded(by_floor, 2).to_string() } else { "-".to_owned() };
         let mut line = format!(
-            "{case:width$}  {:>7}  {floors:>6}  {:18}",
+            "{case:width$}  {:>7}  {floors:>6}  {:30}",
             error(best.and_then(|run| run.error)),
-            best.map_or("", |run| run.method.integrator.name)
+            best.map_or(String::new(), by)
         );
         for level in LEVELS {
-            let words = findings.cheapest(case, level).map_or_else(
-                || "-".to_owned(),
-                |run| format!("{:>8} {}", time(run.wall[0]), run.method.integrator.name),
-            );
-            _ = write!(line, "  {words:26}");
+            let words = findings
+                .cheapest(case, level)
+                .map_or_else(|| "-".to_owned(), |run| format!("{:>8} {}", time(run.wall[0]), by(run)));
+            _ = write!(line, "  {words:39}");
         }
         text += line.trim_end();
         text.push('\n');
@@ -154,6 +164,7 @@ fn one(findings: &Findings, case: &str, answer: &Told) -> String {
     let line = |text: &mut String, run: &Run| {
         let drift: Vec<String> = run.drift.iter().map(|(name, value)| format!("{name} {value:.0e}")).collect();
         let mut words: Vec<String> = run.method.compensated.then(|| "compensated".to_owned()).into_iter().collect();
+        words.extend((run.method.numbers != Precision::F64).then(|| number_type(run.method.numbers).to_owned()));
         words.extend((!drift.is_empty()).then(|| format!("drift: {}", drift.join(", "))));
         words.extend((!run.stable && run.broke.is_none()).then(|| "unstable".to_owned()));
         words.extend(run.broke.clone());

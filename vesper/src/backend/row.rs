@@ -42,7 +42,8 @@ pub(crate) const AHEAD: usize = 2;
 pub(crate) trait RowKernel<P>: Send + Sync {
     /// # Safety
     /// Every slot is null where its port is absent, or points to `rows` numbers (one for a constant) that are valid, with
-    /// room behind them ([`crate::column::whole`]), and that nobody else touches where the port writes.
+    /// room behind them ([`crate::column::whole`]), and that nobody else touches where the port writes, nor that room: of the
+    /// calls of one pass only the last one ends between multiples of the lanes.
     unsafe fn run(&self, isa: Isa, call: &RowCall<'_, P>);
     /// Runs the body over dual numbers.
     ///

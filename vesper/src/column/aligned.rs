@@ -31,7 +31,7 @@ pub(crate) const fn whole<P>(len: usize) -> usize {
         _ if over <= line / 2 => line / 2,
         _ => line,
     };
-    len - over + room
+    (len - over).saturating_add(room)
 }
 
 /// From one component to the next in a vector of several long ones: whole lines, of which few neighbours share a set.
@@ -169,10 +169,11 @@ impl<P: Copy + Default> Block<P> {
 
     /// The next zeros of the block, as an array in it.
     pub(crate) fn zeros(&mut self, len: usize) -> Aligned<P> {
-        assert!(len <= self.numbers.len - self.taken, "a block has room for the arrays that it was made for");
+        let room = self.numbers.len - self.taken;
+        assert!(whole::<P>(len) <= room, "a block has room for the arrays that it was made for");
         // SAFETY: the block has room for the numbers from there on, and nobody else has that part of it.
         let start = unsafe { self.numbers.start.add(self.taken) };
-        self.taken += len;
+        self.taken += whole::<P>(len);
         Aligned { start, len, capacity: len, lead: 0, stream: 0, block: Some(self.numbers.clone()) }
     }
 
@@ -209,7 +210,7 @@ mod tests {
         first.resize(4);
         first.as_mut_slice().fill(7.0);
         assert_eq!((last.as_slice(), last.clone().as_slice()), ([3.0, 4.0, 5.0].as_slice(), last.as_slice()));
-        let mut again = Block::new(10);
+        let mut again = Block::new(12);
         let zeros = again.zeros(2);
         [first, last].iter_mut().for_each(|array| again.take_in(array));
         assert_eq!(zeros.as_slice(), [0.0; 2]);

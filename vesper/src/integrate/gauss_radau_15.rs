@@ -9,8 +9,9 @@
 //! Where the rate of every coordinate is its momentum (Motion) only the momenta have polynomials, and coordinates are
 //! their second integrals: fewer rounds, since they need not wait for them.
 //!
-//! In double-double numbers it is what brings a chaotic problem to an answer: its weights have as many digits. The precision is to
-//! be 1e-8 or 1e-9 then; with the default the errors of its steps are those of f64.
+//! In double-double numbers it is what brings a chaotic problem to an answer: the weights of its steps have as many digits, and the
+//! places within a step, which are those of f64, are off by 1e-17 of how far a force moves them. The precision is to be 1e-8 or
+//! 1e-9 then; with the default the errors of its steps are those of f64.
 //!
 //! Each round closes what the one before left open by a factor that two of them show; the last round is the one after which
 //! nothing is left that could add up, or that is not hidden by the error of the step.
@@ -345,9 +346,14 @@ impl Form {
     fn look(self, system: &mut dyn System, length: f64, row: usize, bank: usize) {
         let part = if self.follows { Part::Momenta } else { Part::All };
         if !self.follows || system.momenta_depend_on_momenta() {
-            let weights = ONCE[row].map(|weight| weight * length);
-            // Most of what they leave out is what they would leave out of a rate that stays.
-            let rest = weights.iter().fold(Pair::place(row, length), |left, weight| left.less(*weight));
+            // What sums of more digits than f64 take is not rounded.
+            let exact = system.epsilon() < f64::EPSILON;
+            // Most of what the weights leave out is what they would leave out of a rate that stays.
+            let rest = ONCE[row].iter().fold(Pair::place(row, length), |left, weight| {
+                let product = weight * length;
+                let left = left.less(product);
+                if exact { left.less(weight.mul_add(length, -product)) } else { left }
+            });
             let others = [(rest.sum + rest.rest, rates(bank, 0)), (1.0, START)];
             sum(system, Register::State, by(&ONCE[row], length, bank).and(&others), part);
         }

@@ -66,10 +66,9 @@ impl<'a> Terms<'a> {
         self.weights.len() + self.others.len()
     }
 
-    /// Those of the row, each with its factor.
-    pub(crate) fn of_row(&self) -> impl Iterator<Item = Term> {
-        let weights = self.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
-        weights.map(|(number, weight)| (weight * self.factor, Register::Work(self.first + number)))
+    /// Those of the row, of weight 0 too.
+    pub(crate) fn row(&self) -> impl Iterator<Item = Register> {
+        (self.first..self.first + self.weights.len()).map(Register::Work)
     }
 
     /// The first `count`, and the rest.

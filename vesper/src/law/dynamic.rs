@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// The body of a [`DynLaw`]: the inputs' numbers in declared order, then where the outputs' numbers go.
 pub type DynRow = dyn Fn(&[f64], &mut [f64]) + Send + Sync;
 
-/// A row law made at run time.
+/// A row law made at run time. Its body computes in f64, whatever the precision of the state.
 ///
 /// ```
 /// use vesper::prelude::*;

@@ -90,7 +90,7 @@ pub trait LinkFamily<const N: usize>: Law {
     fn kernel<R: Real>(&self) -> Self::Kernel<R>;
 }
 
-/// A column body for both precisions. Implemented by `#[kernel]`.
+/// A column body for all precisions. Implemented by `#[kernel]`.
 pub trait ColumnFamily: Law {
     /// The body in precision `P`.
     type Kernel<P: Scalar>: ColumnLaw<P> + Send + Sync;

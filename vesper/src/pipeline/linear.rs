@@ -2,7 +2,7 @@
 
 use super::sum::{Sum, TERMS};
 use super::vectors::{Component, Vectors};
-use crate::integrate::{Combination, Register, Term, Terms};
+use crate::integrate::{Combination, Register, Terms};
 use crate::law::Part;
 use crate::real::{Isa, Scalar};
 use core::ops::Range;
@@ -193,35 +193,38 @@ impl<P: Scalar> Vectors<P> {
         let behind = self.momentum_behind.unwrap_or(0);
         for (_, state) in self.part(part) {
             for (number, component) in state.components.iter().enumerate() {
-                // As if they were the integrator's own.
-                let first = Register::Work(0).number();
-                let (mut weights, mut strides) = ([0.0; TERMS], [1; TERMS]);
+                let of_momenta = |from: Register| match self.vector(from) {
+                    Some(start) => (start.wrapping_add(component.at + behind), 1),
+                    None => self.momentum(component.at + behind, number, lent),
+                };
+                let own = |from: Register| self.place(from, component, lent);
+                // As if they were the integrator's own vectors, one behind the other.
                 let mut starts = [core::ptr::null_mut::<P>(); Register::Work(TERMS).number()];
-                let of_momenta = |(factor, from): Term| match self.vector(from) {
-                    Some(start) => (factor, start.wrapping_add(component.at + behind), 1),
-                    None => {
-                        let (start, stride) = self.momentum(component.at + behind, number, lent);
-                        (factor, start, stride)
-                    }
-                };
-                let own = |(factor, from): Term| {
-                    let (start, stride) = self.place(from, component, lent);
-                    (factor, start, stride)
-                };
-                let rows = momenta.of_row().map(of_momenta).chain(terms.of_row().map(own));
-                let others =
-                    momenta.others.iter().copied().map(of_momenta).chain(terms.others.iter().copied().map(own));
-                let (start, stride) = self.place(to, component, lent);
-                let (mut even, mut count) = (stride == 1, 0);
-                for (factor, from, stride) in rows.chain(others) {
-                    (weights[count], starts[first + count], strides[count]) = (factor, from, stride);
-                    even &= stride == 1;
+                let (mut others, mut strides) = ([(0.0, Register::State); TERMS], [1; TERMS]);
+                let (mut count, mut apart) = (0, 0);
+                let mut put = |(start, stride): (*mut P, usize)| {
+                    (starts[Register::Work(count).number()], strides[count]) = (start, stride);
                     count += 1;
+                };
+                momenta.row().for_each(|from| put(of_momenta(from)));
+                terms.row().for_each(|from| put(own(from)));
+                let singles = momenta.others.iter().map(|(factor, from)| (*factor, of_momenta(*from)));
+                for (factor, place) in singles.chain(terms.others.iter().map(|(factor, from)| (*factor, own(*from)))) {
+                    let number = momenta.weights.len() + terms.weights.len() + apart;
+                    others[apart] = (factor, Register::Work(number));
+                    put(place);
+                    apart += 1;
                 }
+                let rows = [
+                    Terms { first: 0, others: &others[..apart], ..momenta },
+                    Terms { first: momenta.weights.len(), others: &[], ..terms },
+                ];
+                let (start, stride) = self.place(to, component, lent);
+                let even = stride == 1 && strides.iter().all(|stride| *stride == 1);
                 let errors = errors.map_or(core::ptr::null_mut(), |errors| errors.wrapping_add(component.at));
                 let (base, lost) = (if adds { start } else { core::ptr::null_mut() }, [errors, core::ptr::null_mut()]);
-                let terms = [(&Terms::weighted(0, &weights[..count], 1.0), 0), (&Terms::NONE, 0)];
                 let (wide, count, starts) = (self.sums_in_f64(), state.len, &starts);
+                let terms = [(&rows[0], 0), (&rows[1], 0)];
                 let sum = Sum { to: start, base, errors, lost, wide, count, starts, terms };
                 if even {
                     P::with_lanes(isa, &sum);

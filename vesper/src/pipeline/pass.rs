@@ -14,7 +14,7 @@ pub(super) fn run_pass<P: Scalar>(pass: &mut BoundPass<P>, context: &Context<'_,
         // SAFETY: `Runner` is only made for a state with the layout that the program was tied to, held exclusively.
         Pass::Group(group) => return unsafe { group.run(context) },
         Pass::Pair(pass) if pass.is_one_call && context.is_unwatched() => {
-            // SAFETY: the slots have a number for every row.
+            // SAFETY: the slots have a number for every row, and room behind the last one: they are columns or vectors of ours.
             unsafe { pass.kernel.run(context.isa.for_few::<P>(pass.rows), &pass.call(0..pass.rows)) };
         }
         Pass::Pair(pass) => return run_pair(pass, context),

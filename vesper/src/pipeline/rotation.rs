@@ -287,7 +287,7 @@ fn sum_of<R: Real>(a: R, b: R) -> [R; 2] {
 /// a b, and what its rounding takes off (Dekker, Numer. Math. 18 (1971) 224).
 #[inline(always)]
 fn product_of<P: Scalar, R: Real>(a: R, b: R) -> [R; 2] {
-    // 1 + 2^ceil(digits / 2).
+    // 1 + 2^ceil(digits / 2); of double-double numbers this leaves an error of their last digits.
     let splitter = R::lit(if P::EPSILON < 1e-10 { 134_217_729.0 } else { 4097.0 });
     let halves = |number: R| {
         let scaled = number * splitter;

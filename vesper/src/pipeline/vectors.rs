@@ -286,7 +286,7 @@ impl<P: Scalar> Vectors<P> {
 
 /// Zeros for so many vectors, one behind the other, so that what laws write to the place of one can go to that of another.
 fn in_one_block<P: Scalar>(count: usize, len: usize) -> Vec<Aligned<P>> {
-    let mut block = Block::new(count * len);
+    let mut block = Block::new(count * whole::<P>(len));
     (0..count).map(|_| block.zeros(len)).collect()
 }
 

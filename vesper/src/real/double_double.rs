@@ -6,7 +6,8 @@
 //!
 //! Sources: Joldes, Muller, Popescu, ACM TOMS 44 (2017) 15, algorithms 6, 12 and 17 for sum, product and quotient; Lefevre, Louvet,
 //! Muller, Picot, Rideau, ACM TOMS 49 (2023) 1, for the root: errors of less than 16 times 2^-106. Functions: reduced to a
-//! small argument, and Taylor's series.
+//! small argument, and Taylor's series. The logarithm of a number next to 1 has an absolute error of that size. Products take the
+//! fused multiply-add of the processor by way of the system's library, which chooses at run time.
 
 use super::lanes::{Isa, Lanes, WithLanes};
 use super::scalar::InPrecision;
@@ -16,9 +17,10 @@ use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// A number of 106 bits: the unevaluated sum of two f64 ("double-double").
 ///
-/// What goes in and out of a state of these numbers is f64: places that a client reads have been rounded. Of the integrators
-/// `gauss_radau_15` has weights to 32 digits; those of others are f64, which leaves such a state errors of one sign and of that size.
-/// Rounding errors are not kept besides.
+/// What goes in and out of a state by numbers is f64: places that a client reads have been rounded, and so are parameters and values
+/// that it gives. Laws made at run time, [`crate::law::DynLaw`], compute in f64. Of the integrators `gauss_radau_15` has the weights of
+/// its steps to 32 digits; those of others are f64, which leaves such a state errors of one sign and of that size. Rounding errors
+/// are not kept besides.
 #[derive(Clone, Copy, Default, PartialEq)]
 pub struct DoubleDouble {
     /// The nearest f64.
@@ -45,6 +47,8 @@ fn sum(a: f64, b: f64) -> DoubleDouble {
 /// Half of pi, and the logarithm of 2, in three parts.
 const HALF_PI: [f64; 3] = [core::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17, -1.497_384_904_859_169_8e-33];
 const LN_2: [f64; 3] = [core::f64::consts::LN_2, 2.319_046_813_846_299_6e-17, 5.707_708_438_416_212e-34];
+/// Angles up to which their turns are counted; of larger ones sine and cosine are those of f64.
+const TURNS: f64 = 4_503_599_627_370_496.0;
 /// Halvings of the argument of the exponential function.
 const HALVINGS: i32 = 8;
 
@@ -100,10 +104,14 @@ impl DoubleDouble {
         sum
     }
 
-    /// Sine and cosine.
+    /// Sine and cosine of less than [`TURNS`].
     fn circular(self) -> [Self; 2] {
-        let turns = (self.hi / HALF_PI[0]).round();
-        let rest = self.without(turns, HALF_PI);
+        let first = (self.hi / HALF_PI[0]).round();
+        let rest = self.without(first, HALF_PI);
+        // Of many turns the first quotient is not the nearest one.
+        let second = (rest.hi / HALF_PI[0]).round();
+        let rest = rest.without(second, HALF_PI);
+        let turns = first.rem_euclid(4.0) + second.rem_euclid(4.0);
         let by = -(rest * rest);
         let (sine, cosine) = (Self::series(rest, by, 1), Self::series(Self::from_f64(1.0), by, 0));
         match turns.rem_euclid(4.0) {
@@ -139,7 +147,8 @@ impl Add for DoubleDouble {
     #[inline(never)]
     fn add(self, other: Self) -> Self {
         let (high, low) = (sum(self.hi, other.hi), sum(self.lo, other.lo));
-        if !high.hi.is_finite() {
+        // Zeros have a sign, too.
+        if !high.hi.is_finite() || high.hi == 0.0 && self.lo == 0.0 && other.lo == 0.0 {
             return Self::from_f64(high.hi);
         }
         let middle = fast_sum(high.hi, high.lo + low.hi);
@@ -209,7 +218,7 @@ impl Real for DoubleDouble {
         })
     }
     fn abs(self) -> Self {
-        if self.hi < 0.0 { -self } else { self }
+        if self.hi.is_sign_negative() { -self } else { self }
     }
     fn min(self, other: Self) -> Self {
         if self < other { self } else { other }
@@ -219,11 +228,13 @@ impl Real for DoubleDouble {
     }
     #[inline(never)]
     fn sin(self) -> Self {
-        Self::unless(self.hi.sin(), || self.circular()[0])
+        let plain = self.hi.sin();
+        if self.hi.abs() > TURNS { Self::from_f64(plain) } else { Self::unless(plain, || self.circular()[0]) }
     }
     #[inline(never)]
     fn cos(self) -> Self {
-        Self::unless(self.hi.cos(), || self.circular()[1])
+        let plain = self.hi.cos();
+        if self.hi.abs() > TURNS { Self::from_f64(plain) } else { Self::unless(plain, || self.circular()[1]) }
     }
     #[inline(never)]
     fn exp(self) -> Self {
@@ -255,6 +266,10 @@ impl Real for DoubleDouble {
     #[inline(never)]
     fn powf(self, exponent: Self) -> Self {
         let plain = self.hi.powf(exponent.hi);
+        // The powers of 0 and of infinity that are 1.
+        if !self.hi.abs().ln().is_finite() || !exponent.is_finite() {
+            return Self::from_f64(plain);
+        }
         Self::unless(plain, || {
             let magnitude = (exponent * self.abs().ln()).exp();
             // Whole powers of negative numbers are those that f64 knows.
@@ -319,7 +334,8 @@ impl Scalar for DoubleDouble {
         self.lo
     }
     fn from_parts(number: f64, rest: f64) -> Self {
-        sum(number, rest)
+        // Parts of another number are added, those of one of these are it, whatever sign a zero has.
+        if number + rest == number { DoubleDouble { hi: number, lo: rest } } else { sum(number, rest) }
     }
     const PARTS: usize = 2;
     fn is_finite(self) -> bool {
@@ -379,6 +395,39 @@ mod tests {
         near(DoubleDouble::from_product(0.1, 0.1), of(0.1, 0.0) * of(0.1, 0.0), 1.0);
         assert!(of(1.0, 1e-20) > of(1.0, 0.0) && of(1.0, -1e-20) < of(1.0, 0.0));
         assert_eq!((of(1.0, 1e-20) - of(1.0, 0.0)).to_f64(), 1e-20);
+    }
+
+    /// Beside f64, at the corners of both.
+    #[test]
+    fn results_are_those_of_f64_to_its_last_digits() {
+        let numbers =
+            [0.0, -0.0, 1.0, -1.0, 2.0, 0.3, -2.7, 1e-30, 1e30, 1e17, 700.25, f64::INFINITY, -f64::INFINITY, f64::NAN];
+        fn results<R: Real>(a: R, b: R) -> [R; 15] {
+            let (one, zero) = (R::lit(1.0), R::lit(0.0));
+            let ordered = R::select(a.less(b) | a.equal(b), one, zero);
+            let all =
+                [a + b, a - b, a * b, a / b, -a, a.abs(), a.sqrt(), a.min(b), a.max(b), a.sin(), a.cos(), a.exp()];
+            let [a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11] = all;
+            [a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a.ln(), a.powf(b), ordered]
+        }
+        for a in numbers {
+            for b in numbers {
+                let found = results(DoubleDouble::from_f64(a), DoubleDouble::from_f64(b));
+                for (number, (found, expected)) in found.iter().zip(results(a, b)).enumerate() {
+                    let [found, off] = [found.to_f64(), (found.to_f64() - expected).abs()];
+                    let same =
+                        found == expected && (found != 0.0 || found.is_sign_negative() == expected.is_sign_negative());
+                    let near = off <= 4.0 * f64::EPSILON * expected.abs();
+                    assert!(
+                        same || near && found != 0.0 || found.is_nan() && expected.is_nan(),
+                        "{number} of {a:e}, {b:e}: {found:e} {expected:e}"
+                    );
+                }
+            }
+            let parts = DoubleDouble::from_f64(a);
+            let again = DoubleDouble::from_parts(parts.to_f64(), parts.rest());
+            assert!(again.bits() == parts.bits() || a.is_nan(), "{a:e}");
+        }
     }
 
     #[test]

@@ -78,8 +78,8 @@ impl Isa {
         sets
     }
 
-    /// The one to take for so many numbers: where half of the registers hold them, processors are faster with these than with
-    /// masks over the whole (measured with three bodies: by a tenth).
+    /// The one to take for so many numbers: those that half of the widest registers hold need no wider ones, whose loads and stores
+    /// then cross lines of the cache (measured with sums over three bodies: a tenth of an evaluation).
     #[inline(always)]
     pub(crate) fn for_few<P>(self, count: usize) -> Isa {
         match self {

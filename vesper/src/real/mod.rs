@@ -43,7 +43,7 @@ use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, Neg, Not, Sub, SubAssig
 /// A real number, or several of them side by side: what a law computes with.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a number that laws compute with",
-    note = "laws are generic: `impl<R: Real> RowLaw<R> for ...`; the numbers are f32, f64 and lanes of them"
+    note = "laws are generic: `impl<R: Real> RowLaw<R> for ...`; the numbers are f32, f64, lanes of them, and DoubleDouble"
 )]
 pub trait Real:
     Copy

@@ -7,7 +7,7 @@ use super::{DoubleDouble, Real, Vector};
 pub trait Scalar: Real + Lanes<Self> + PartialOrd + Default + core::fmt::Display + sealed::Sealed {
     /// "f32", "f64" or "double-double".
     const NAME: &'static str;
-    /// The distance from 1 to the next number.
+    /// The distance from 1 to the next number, or what rounding makes it uncertain by.
     const EPSILON: f64;
     /// The nearest number of this precision.
     fn from_f64(value: f64) -> Self;
@@ -32,7 +32,7 @@ pub trait Scalar: Real + Lanes<Self> + PartialOrd + Default + core::fmt::Display
     const PARTS: usize = 1;
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
-    /// Its bits, for hashes and exact comparison.
+    /// Its bits, for hashes; where it has more than 64, all of them folded.
     fn bits(self) -> u64;
     /// The one of three things that is made for this precision.
     fn choose<T: InPrecision>(

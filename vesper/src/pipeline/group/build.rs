@@ -76,6 +76,7 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
             (0 | 1, 0) => self.rows.div_ceil(threads).next_multiple_of(MAX_WIDTH),
             _ => block,
         };
+        debug_assert!(block.is_multiple_of(MAX_WIDTH), "only the last block may end between multiples of the lanes");
         let desks = (0..threads)
             .map(|_| {
                 let scratch = Aligned::<P>::zeros(self.scratches.len() * block, 0);
