@@ -26,9 +26,8 @@ const HEAD: &str = "# Beside others\n\nMade by `VESPER_PYTHON=.. cargo bench -- 
     each turn, its median and, in brackets, its least and largest. Errors are the largest over all times and bodies, positions \
     and velocities each by the case's scale.\n\nWith few \
     bodies the time goes to what an evaluation, or a sum of vectors, costs before anything is computed: laws are composed at run time, \
-    pass by pass, where the peers are compiled for this one problem. So with three bodies the same method is a loss beside \
-    `ode_solvers`, diffsol and REBOUND's leapfrog, and with six it is not; methods that need fewer evaluations are no loss with \
-    three.\n\n";
+    pass by pass, where the peers are compiled for this one problem. So with three bodies methods of low order are a loss beside \
+    `ode_solvers` and diffsol, and with six they are not; methods that need fewer evaluations are no loss with three.\n\n";
 /// Errors at which times are compared.
 const LEVELS: [f64; 4] = [1e-6, 1e-9, 1e-11, 1e-12];
 /// The error for methods that come to none of these.
