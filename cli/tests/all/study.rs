@@ -197,3 +197,20 @@ fn a_choice_is_written_into_its_scene_which_then_meets_the_error() {
     assert!(done(study).stdout.contains("is left as it is"));
     assert_eq!(folder.read("spring.toml"), commented);
 }
+
+/// What the laws suggest may be a method of fixed steps: then it is no ladder of tolerances, and a study says which one it is.
+#[test]
+fn auto_is_studied_where_it_chooses_its_steps_and_named_where_it_does_not() {
+    let folder = Scratch::new("study-auto");
+    let scene = folder.write("spring.toml", SPRING);
+    let told = done(["study", &scene, "--integrators", "auto", "--json"]).json();
+    let first = &told["runs"][0];
+    // As it is, and not coarser.
+    assert_eq!((first["integrator"].as_str(), first["options"]["precision"].as_f64()), (Some("auto"), Some(1e-7)));
+    let held = SPRING.replace("name = \"spring\"", "name = \"spring\"\nevery = 4");
+    let scene = folder.write("held.toml", &held);
+    let told = done(["study", &scene, "--integrators", "auto", "--json"]).json();
+    assert_eq!(told["runs"].as_array().map(Vec::len), Some(0));
+    let refused = told["refused"][0].to_string();
+    assert!(refused.contains("for these laws auto is respa, which takes fixed steps: study that"), "{refused}");
+}
