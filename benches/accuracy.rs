@@ -31,10 +31,10 @@ const WHY: [(&str, &str); 3] = [
     ),
 ];
 
-/// Time that it may take in double-double numbers, in s.
-const WIDE: f64 = 30.0;
 /// Time that the integrator of the laws' own structure may take for one case, in s: the one of a million periods takes it.
 const LONG: f64 = 900.0;
+/// The same in double-double numbers, where f64 is not enough.
+const WIDE: f64 = 30.0;
 
 fn main() {
     let mode = Mode::from_arguments();

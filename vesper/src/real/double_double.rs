@@ -376,13 +376,21 @@ mod tests {
         near(third * of(3.0, 0.0), of(1.0, 0.0), 1.0);
         let root = of(2.0, 0.0).sqrt();
         near(root * root, of(2.0, 0.0), 1.0);
+        // Second parts on both sides.
+        near(root / third, root * of(3.0, 0.0), 4.0);
+        near((root / third) * third, root, 4.0);
+        near(third.sqrt() * third.sqrt(), third, 4.0);
+        near((root + third) - root, third, 8.0);
         // sqrt(2), from its digits.
         near(root, of(core::f64::consts::SQRT_2, -9.667_293_313_452_913e-17), 4.0);
-        // From their digits: e, the logarithm of 10, the sine and cosine of 1, and 10 to the power of a tenth.
+        // From their digits: e, the logarithm of 10, the sine and cosine of 1.
         near(of(1.0, 0.0).exp(), of(core::f64::consts::E, 1.445_646_891_729_250_2e-16), 16.0);
         near(of(10.0, 0.0).ln(), of(core::f64::consts::LN_10, -2.170_756_223_382_249_4e-16), 16.0);
         near(of(1.0, 0.0).sin(), of(0.841_470_984_807_896_5, 1.776_845_092_935_536e-18), 16.0);
         near(of(1.0, 0.0).cos(), of(0.540_302_305_868_139_8, -4.760_954_612_604_417e-17), 16.0);
+        // Where all parts of pi and of the logarithm of 2 count.
+        near(of(1e9, 0.0).sin(), of(0.545_843_449_448_699_6, 6.175_733_356_664_077_5e-18), 16.0);
+        near(of(600.0, 0.0).exp(), of(3.773_020_300_929_939_7e260, 1.611_693_410_923_224_7e244), 4.0);
         for number in [-600.0, -1.0, 0.1, 0.5, 30.0, 650.0] {
             let number = of(number, 0.0) + third.scaled(-60);
             near(number.exp().ln(), number, 16.0);
@@ -400,8 +408,23 @@ mod tests {
     /// Beside f64, at the corners of both.
     #[test]
     fn results_are_those_of_f64_to_its_last_digits() {
-        let numbers =
-            [0.0, -0.0, 1.0, -1.0, 2.0, 0.3, -2.7, 1e-30, 1e30, 1e17, 700.25, f64::INFINITY, -f64::INFINITY, f64::NAN];
+        let numbers = [
+            0.0,
+            -0.0,
+            1.0,
+            -1.0,
+            2.0,
+            0.3,
+            -2.7,
+            1e-30,
+            1e30,
+            1e15,
+            1e17,
+            700.25,
+            f64::INFINITY,
+            -f64::INFINITY,
+            f64::NAN,
+        ];
         fn results<R: Real>(a: R, b: R) -> [R; 15] {
             let (one, zero) = (R::lit(1.0), R::lit(0.0));
             let ordered = R::select(a.less(b) | a.equal(b), one, zero);
