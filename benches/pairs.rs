@@ -49,7 +49,7 @@ fn study<P: Precision>(run: Run, summary: &mut Summary, lines: &mut criterion::C
     if run.wants(&name) {
         let times = Race::default().run(run, pairs, &mut contenders);
         let [foreign, stock, hand] = times[..] else { return };
-        let case = |name| Case { name, n: BODIES, precision: P::NAME, unit: "ns/pair" };
+        let case = |name| Case { name, n: BODIES, threads: 1, precision: P::NAME, unit: "ns/pair" };
         summary.add(case("foreign law beside stock"), foreign, &[(stock, Some(0.0))]);
         summary.add(case("gravity of all pairs"), stock, &[(hand, Some(error))]);
         if run == Run::Measure {

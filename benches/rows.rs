@@ -67,7 +67,7 @@ where
         let [composed, chained, wide, hand, bevy] = times[..] else { return };
         let peers = [(wide, Some(by_hand_wide)), (hand, Some(by_hand)), (bevy, Some(by_bevy))];
         for (name, ours) in [("five laws at run time", composed), ("five laws in pipeline!", chained)] {
-            summary.add(Case { name, n: rows, precision: P::NAME, unit: "ns/row" }, ours, &peers);
+            summary.add(Case { name, n: rows, threads: 1, precision: P::NAME, unit: "ns/row" }, ours, &peers);
         }
     }
     Race::lines(lines, &name, units, &mut contenders);

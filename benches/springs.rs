@@ -1,16 +1,25 @@
-//! Links: 100 000 springs of a lattice beside a hand-written loop.
+//! Links: springs of a lattice on one thread and on two, beside two loops by hand: one spring after the other, and colour by
+//! colour, so that two threads need no locks.
+//!
+//! 100 000 springs join neighbours on a cube of 33 bodies to an edge; a million join neighbours on a cube of 67 to an edge,
+//! 300 763 bodies, and diagonals that chance chooses. Springs are numbered as their first bodies are.
 
 use vesper::prelude::*;
-use vesper_benches::hand::{Sprung, difference};
+use vesper_benches::hand::{Coloured, Column, Sprung, difference};
 use vesper_benches::scenes::{GRAVITY, Lattice, STEP};
 use vesper_benches::{Case, Contender, Race, Run, Summary, criterion};
 use vesper_laws::{Motion, Spring, UniformGravity};
 
-const SPRINGS: usize = 100_000;
-/// Bodies to an edge: the smallest lattice that has so many springs.
-const EDGE: u32 = 33;
+/// Steps whose results are compared.
+const CHECK: usize = 4;
 
-fn engine<P: Precision>(lattice: &Lattice) -> Result<Engine<P>, Faults> {
+fn lattices() -> [Lattice; 2] {
+    let lattices = [Lattice::new(33, 100_000), Lattice::braced(67, 1_000_000, 0.5)];
+    assert_eq!(lattices.each_ref().map(|lattice| lattice.ends.len()), [100_000, 1_000_000]);
+    lattices
+}
+
+fn engine<P: Precision>(lattice: &Lattice, threads: usize) -> Result<Engine<P>, Faults> {
     Engine::builder()
         .domain(lattice.bodies.moving())
         .domain(lattice.springs())
@@ -20,43 +29,61 @@ fn engine<P: Precision>(lattice: &Lattice) -> Result<Engine<P>, Faults> {
         .law(Motion)
         .integrator(SemiImplicitEuler)
         .step(STEP)
-        .backend(Backend::Cpu)
+        .backend(if threads == 1 { Backend::Cpu } else { Backend::Parallel })
+        .threads(threads)
         .strict()
         .build()
 }
 
-fn study<P: Precision>(run: Run, summary: &mut Summary, lines: &mut criterion::Criterion) {
-    let name = format!("springs/{}/{SPRINGS}", P::NAME);
-    let lattice = Lattice::new(EDGE, SPRINGS);
-    assert_eq!(lattice.ends.len(), SPRINGS);
-    let mut engine = engine::<P>(&lattice).expect("the scene has all that the laws read");
-    let mut hand = Sprung::<P>::new(&lattice);
+fn study<P: Precision>(
+    lattice: &Lattice,
+    threads: usize,
+    run: Run,
+    summary: &mut Summary,
+    lines: &mut criterion::Criterion,
+) {
+    let springs = lattice.ends.len();
+    let name = format!("springs/{}/{springs}/{threads}", P::NAME);
+    if !run.wants(&name) {
+        return;
+    }
+    let mut engine = engine::<P>(lattice, threads).expect("the scene has all that the laws read");
+    let mut hand = Sprung::<P>::new(lattice);
+    let mut coloured = Coloured::<P>::new(lattice);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+    let pool = (threads > 1).then_some(&pool);
 
     let stays = "the bodies stay finite";
-    let check = 4;
-    engine.steps_of(check, STEP).expect(stays);
-    (0..check).for_each(|_| hand.step(GRAVITY));
-    let error = difference(&engine, Velocity, &hand.velocity).expect("the engine has velocities");
-    assert!(error < 1e-5, "{name}: the same motion");
+    engine.steps_of(CHECK as u64, STEP).expect(stays);
+    for _ in 0..CHECK {
+        hand.step(GRAVITY);
+        coloured.step(GRAVITY, pool);
+    }
+    let error = |theirs: &[Column<P>; 3]| difference(&engine, Velocity, theirs).expect("the engine has velocities");
+    let errors = [error(&hand.velocity), error(&coloured.sprung.velocity)];
+    assert!(errors.iter().all(|&error| error < 1e-5), "{name}: the same motion");
 
     let mut contenders = [
         Contender::new("spring law", || engine.steps_of(1, STEP).expect(stays)),
         Contender::new("hand loop", || hand.step(GRAVITY)),
+        Contender::new("hand coloured loop", || coloured.step(GRAVITY, pool)),
     ];
-    if run.wants(&name) {
-        let times = Race::default().run(run, SPRINGS as f64, &mut contenders);
-        let [ours, hand] = times[..] else { return };
-        let case = Case { name: "springs", n: SPRINGS, precision: P::NAME, unit: "ns/spring" };
-        summary.add(case, ours, &[(hand, Some(error))]);
-    }
-    Race::lines(lines, &name, SPRINGS as f64, &mut contenders);
+    let times = Race::default().run(run, springs as f64, &mut contenders);
+    let [ours, hand, coloured] = times[..] else { return };
+    let case = Case { name: "springs", n: springs, threads, precision: P::NAME, unit: "ns/spring" };
+    summary.add(case, ours, &[(hand, Some(errors[0])), (coloured, Some(errors[1]))]);
+    Race::lines(lines, &name, springs as f64, &mut contenders);
 }
 
 fn main() -> std::io::Result<()> {
     let run = Run::from_arguments();
     let (mut summary, mut lines) = (Summary::new("springs", run), criterion());
-    study::<f32>(run, &mut summary, &mut lines);
-    study::<f64>(run, &mut summary, &mut lines);
+    for lattice in &lattices() {
+        for threads in [1, 2] {
+            study::<f32>(lattice, threads, run, &mut summary, &mut lines);
+            study::<f64>(lattice, threads, run, &mut summary, &mut lines);
+        }
+    }
     lines.final_summary();
     summary.write()
 }

@@ -79,6 +79,11 @@ pub struct Lattice {
 impl Lattice {
     /// `edge` bodies to an edge, one metre apart, and the first `springs` of the springs between neighbours.
     pub fn new(edge: u32, springs: usize) -> Self {
+        Lattice::braced(edge, springs, 0.0)
+    }
+
+    /// The same, and from so many of the bodies one more spring, along a diagonal of a face or of the cell, which chance chooses.
+    pub fn braced(edge: u32, springs: usize, share: f64) -> Self {
         let mut random = Random::new(2);
         let mut lattice = Lattice::default();
         let number = |x, y, z| (z * edge + y) * edge + x;
@@ -91,12 +96,19 @@ impl Lattice {
             let next = [[x + 1, y, z], [x, y + 1, z], [x, y, z + 1]];
             for [a, b, c] in next.into_iter().filter(|next| next.iter().all(|&place| place < edge)) {
                 lattice.ends.push([number(x, y, z), number(a, b, c)]);
+                lattice.rest_length.push(1.0);
+            }
+            if share > 0.0 && random.between(0.0, 1.0) < share {
+                let [a, b, c] = [[1, 1, 0], [1, 0, 1], [0, 1, 1], [1, 1, 1]][(random.word() >> 62) as usize];
+                if [x + a, y + b, z + c].iter().all(|&place| place < edge) {
+                    lattice.ends.push([number(x, y, z), number(x + a, y + b, z + c)]);
+                    lattice.rest_length.push(f64::from(a + b + c).sqrt());
+                }
             }
         }
         lattice.ends.truncate(springs);
-        let springs = lattice.ends.len();
-        lattice.stiffness = (0..springs).map(|_| random.between(500.0, 1000.0)).collect();
-        lattice.rest_length = vec![1.0; springs];
+        lattice.rest_length.truncate(springs);
+        lattice.stiffness = lattice.ends.iter().map(|_| random.between(500.0, 1000.0)).collect();
         lattice
     }
 

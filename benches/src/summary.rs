@@ -21,6 +21,8 @@ pub struct Case<'a> {
     pub name: &'a str,
     /// Rows, pairs or links.
     pub n: usize,
+    /// Threads.
+    pub threads: usize,
     /// "f32" or "f64".
     pub precision: &'a str,
     /// The unit of the times.
@@ -34,17 +36,19 @@ impl Summary {
     }
 
     /// Notes our time beside those of the peers; an error is the largest difference from that peer's result, in parts
-    /// of it. All on one thread.
+    /// of it.
     pub fn add(&mut self, case: Case<'_>, ours: Time, peers: &[(Time, Option<f64>)]) {
-        let Case { name, n, precision, unit } = case;
+        let Case { name, n, threads, precision, unit } = case;
         assert!(!name.contains(','), "{name}: a comma would end the cell of the summary");
         let Time { median, low, high, .. } = ours;
         if self.run == Run::Test {
             println!("{} {name} n={n} {precision}: runs", self.study);
         } else {
-            println!("{:<9} {name:<28} n={n:<8} {precision}", self.study);
+            let on = if threads == 1 { String::new() } else { format!(" on {threads} threads") };
+            println!("{:<9} {name:<28} n={n:<8} {precision}{on}", self.study);
             println!("    {:<26} {median:>9.3} {unit}  ({low:.3} to {high:.3})", "ours");
         }
+        let backend = if threads == 1 { "cpu" } else { "parallel" };
         for (peer, error) in peers {
             let ratio = median / peer.median;
             let told = error.map_or(String::new(), |error| format!("  error {error:.1e}"));
@@ -54,7 +58,7 @@ impl Summary {
             }
             let error = error.map_or(String::new(), |error| format!("{error:e}"));
             self.lines.push(format!(
-                "{},{name},{n},1,{precision},cpu,{median:.4},{},{:.4},{ratio:.4},{error},{unit}",
+                "{},{name},{n},{threads},{precision},{backend},{median:.4},{},{:.4},{ratio:.4},{error},{unit}",
                 self.study, peer.name, peer.median
             ));
         }

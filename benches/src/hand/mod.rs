@@ -3,10 +3,12 @@
 //! Every loop has the arithmetic of the laws, in the same order, so that results can be compared bit by bit. Slices are
 //! arguments of their own, because only then does the compiler know that they do not overlap.
 
+mod coloured;
 mod pairs;
 mod rows;
 mod springs;
 
+pub use coloured::Coloured;
 pub use pairs::Attracted;
 pub use rows::{Charged, Step};
 pub use springs::Sprung;

@@ -11,11 +11,11 @@ pub struct Sprung<P> {
     pub position: [Column<P>; 3],
     /// Velocities.
     pub velocity: [Column<P>; 3],
-    force: [Column<P>; 3],
-    mass: Column<P>,
-    ends: Vec<[u32; 2]>,
-    stiffness: Column<P>,
-    rest_length: Column<P>,
+    pub(super) force: [Column<P>; 3],
+    pub(super) mass: Column<P>,
+    pub(super) ends: Vec<[u32; 2]>,
+    pub(super) stiffness: Column<P>,
+    pub(super) rest_length: Column<P>,
 }
 
 impl<P: Precision> Sprung<P> {
