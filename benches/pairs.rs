@@ -1,69 +1,142 @@
-//! A pair law of a foreign crate beside the stock one, and a hand-written loop: gravitation of 1536 bodies.
+//! Gravitation of all pairs: a law's body of three lines beside the direct sums of `particular`, beside loops written by hand for
+//! this law and this processor, and beside the same law in another crate.
+//!
+//! A Plummer sphere of equal masses, softened. Errors are root mean squares of |a - a_ref| / |a_ref| over a sample of the
+//! bodies, whose accelerations are summed in f64 from the same places. Rates count every ordered pair, however often a loop
+//! looks at it.
 
 use foreign_gravity::Gravity as ForeignGravity;
+use particular::ComputeMethod;
+use particular::sequential::BruteForceSoftenedSIMD;
+use particular::storage::{ParticleSystem, PointMass};
 use vesper::prelude::*;
-use vesper_benches::hand::{Attracted, difference};
-use vesper_benches::scenes::{Bodies, STEP};
-use vesper_benches::{Case, Contender, Race, Run, Summary, criterion};
+use vesper::real::Isa;
+use vesper_benches::hand::direct::{Attracting, Loop, f32_loops, f64_loops};
+use vesper_benches::scenes::{Plummer, STEP};
+use vesper_benches::{Case, Contender, Race, Run, Summary, Time, criterion};
 use vesper_laws::{Gravity, Motion};
 
-const G: f64 = 1e-3;
-const SOFTENING: f64 = 0.25;
-const BODIES: usize = 1536;
+const SIZES: [usize; 3] = [1536, 4096, 16_384];
+/// From the origin, in scale lengths: numbers of f32 have their last digit at 6e-5 there.
+const FAR: f64 = 1000.0;
+const SOFTENING: f64 = 1.0 / 128.0;
 
-fn engine<P: Precision>(bodies: &Bodies, foreign: bool) -> Result<Engine<P>, Faults> {
-    let builder = Engine::builder().domain(bodies.moving()).law(Motion);
+const STAYS: &str = "the bodies stay finite";
+
+/// The stock law, or that of another crate, moves the bodies.
+fn engine<P: Precision>(bodies: &Plummer, foreign: bool, threads: usize, isa: Isa) -> Engine<P> {
+    let builder = Engine::builder().domain(bodies.domain()).law(Motion);
     let builder = if foreign {
-        builder.law(ForeignGravity { g: G, softening: SOFTENING })
+        builder.law(ForeignGravity { g: 1.0, softening: SOFTENING })
     } else {
-        builder.law(Gravity { g: G, softening: SOFTENING })
+        builder.law(Gravity { g: 1.0, softening: SOFTENING })
     };
-    builder.integrator(SemiImplicitEuler).step(STEP).backend(Backend::Cpu).strict().build()
+    let builder = builder.integrator(SemiImplicitEuler).step(STEP).threads(threads).isa(isa).strict();
+    builder.build().expect("the scene has all that the laws read")
 }
 
-fn study<P: Precision>(run: Run, summary: &mut Summary, lines: &mut criterion::Criterion) {
-    let name = format!("pairs/{}/{BODIES}", P::NAME);
-    let bodies = Bodies::new(BODIES);
-    let expect = "the scene has all that the laws read";
-    let mut stock = engine::<P>(&bodies, false).expect(expect);
-    let mut foreign = engine::<P>(&bodies, true).expect(expect);
-    let mut hand = Attracted::<P>::new(&bodies);
+/// One step from rest: velocities are accelerations then.
+fn error_of<P: Precision>(bodies: &Plummer, engine: &mut Engine<P>) -> f64 {
+    engine.steps_of(1, STEP).expect(STAYS);
+    let velocities = engine.state().numbers("bodies", Velocity).expect("the engine has velocities");
+    bodies.error(SOFTENING, |row| [0, 1, 2].map(|axis| velocities[3 * row + axis] / STEP))
+}
 
-    let stays = "the bodies stay finite";
-    for _ in 0..4 {
-        stock.steps_of(1, STEP).expect(stays);
-        foreign.steps_of(1, STEP).expect(stays);
-        hand.step(G, SOFTENING);
-    }
-    assert_eq!(stock.state().hash(), foreign.state().hash(), "{name}: stock and foreign give the same bits");
-    let error = difference(&stock, Velocity, &hand.velocity).expect("the engine has velocities");
-    assert!(error < 1e-6, "{name}: the same motion");
+fn step<'a, P: Precision>(name: &'static str, mut engine: Engine<P>) -> Contender<'a> {
+    Contender::new(name, move || engine.steps_of(1, STEP).expect(STAYS))
+}
 
-    // Each body is pulled by all others.
-    let pairs = (BODIES * (BODIES - 1)) as f64;
-    let mut contenders = [
-        Contender::new("foreign law", || foreign.steps_of(1, STEP).expect(stays)),
-        Contender::new("stock law", || stock.steps_of(1, STEP).expect(stays)),
-        Contender::new("hand loop", || hand.step(G, SOFTENING)),
-    ];
-    if run.wants(&name) {
-        let times = Race::default().run(run, pairs, &mut contenders);
-        let [foreign, stock, hand] = times[..] else { return };
-        let case = |name| Case { name, n: BODIES, threads: 1, precision: P::NAME, unit: "ns/pair" };
-        summary.add(case("foreign law beside stock"), foreign, &[(stock, Some(0.0))]);
-        summary.add(case("gravity of all pairs"), stock, &[(hand, Some(error))]);
-        if run == Run::Measure {
-            println!("    {:.2e} ordered pairs per second on one thread", 1e9 / stock.median);
+/// Loops by hand, each with its error.
+fn by_hand<'a, P: Precision>(bodies: &Plummer, loops: Vec<Loop<P>>) -> Vec<(Contender<'a>, f64)> {
+    let softening_squared = P::from_f64(SOFTENING * SOFTENING);
+    let contender = |(name, run): Loop<P>| {
+        let mut columns = Attracting::<P>::new(&bodies.position, bodies.mass());
+        // SAFETY: it was found on this processor.
+        unsafe { run(&mut columns, softening_squared) };
+        let error = bodies.error(SOFTENING, |row| [0, 1, 2].map(|axis| columns.acceleration[axis][row]));
+        // SAFETY: as above.
+        (Contender::new(name, move || unsafe { run(&mut columns, softening_squared) }), error)
+    };
+    loops.into_iter().map(contender).collect()
+}
+
+/// The best SIMD variant of `particular` in this precision, on one thread; with its error.
+macro_rules! particular {
+    ($bodies:expr, $real:ty, $vector:ty, $lanes:literal) => {{
+        let mass = $bodies.mass() as $real;
+        let points: Vec<PointMass<$vector, $real>> = $bodies
+            .position
+            .iter()
+            .map(|place| {
+                let [x, y, z] = place.map(|number| number as $real);
+                PointMass::new(<$vector>::new(x, y, z), mass)
+            })
+            .collect();
+        let run = move || {
+            let system = ParticleSystem { affected: &points[..], massive: &points[..] };
+            BruteForceSoftenedSIMD::<$lanes, $real> { softening: SOFTENING as $real }.compute(system)
+        };
+        let found = run();
+        let error = $bodies.error(SOFTENING, |row| [found[row].x, found[row].y, found[row].z].map(f64::from));
+        (Contender::new("particular", move || drop(std::hint::black_box(run()))), error)
+    }};
+}
+
+fn study<'a, P: Precision>(
+    (run, n): (Run, usize),
+    bodies: &Plummer,
+    summary: &mut Summary,
+    peers: Vec<(Contender<'a>, f64)>,
+) {
+    let widest = Isa::detect();
+    let error = error_of(bodies, &mut engine::<P>(bodies, false, 1, widest));
+    assert!(error < 8.0 * P::EPSILON, "{n} in {}: an error of {error}", P::NAME);
+    let narrow = Isa::available().into_iter().rev().nth(1).unwrap_or(widest);
+    let (mut contenders, errors): (Vec<_>, Vec<_>) = peers.into_iter().unzip();
+    let peers = contenders.len();
+    contenders.push(step("stock law", engine::<P>(bodies, false, 1, widest)));
+    contenders.push(step("foreign law", engine::<P>(bodies, true, 1, widest)));
+    contenders.push(step("stock law on 2 threads", engine::<P>(bodies, false, 2, widest)));
+    contenders.push(step("stock law in narrower lanes", engine::<P>(bodies, false, 1, narrow)));
+    let pairs = (n * (n - 1)) as f64;
+    let times = Race::default().run(run, pairs, &mut contenders);
+    let (peer_times, ours) = times.split_at(peers);
+    let [stock, foreign, two, narrower] = ours[..] else { return };
+    let beside: Vec<(Time, Option<f64>)> = peer_times.iter().map(|time| (*time, Some(error))).collect();
+    let case = |name, threads| Case { name, n, threads, precision: P::NAME, unit: "ns/pair" };
+    summary.add(case("gravity of all pairs", 1), stock, &beside);
+    summary.add(case("foreign law beside stock", 1), foreign, &[(stock, Some(error))]);
+    summary.add(case("gravity of all pairs", 2), two, &[(stock, Some(error))]);
+    summary.add(case("gravity of all pairs in narrower lanes", 1), narrower, &beside);
+    if run == Run::Measure {
+        for (time, error) in peer_times.iter().zip(&errors).chain([(&stock, &error)]) {
+            println!("    {:<26} {:.2e} ordered pairs per second, rms error {error:.1e}", time.name, 1e9 / time.median);
         }
     }
-    Race::lines(lines, &name, pairs, &mut contenders);
 }
 
 fn main() -> std::io::Result<()> {
     let run = Run::from_arguments();
     let (mut summary, mut lines) = (Summary::new("pairs", run), criterion());
-    study::<f32>(run, &mut summary, &mut lines);
-    study::<f64>(run, &mut summary, &mut lines);
+    for n in if run == Run::Test { &SIZES[..1] } else { &SIZES } {
+        let bodies = Plummer::new(*n, 0.0);
+        let far = error_of(&Plummer::new(*n, FAR), &mut engine::<f32>(&Plummer::new(*n, FAR), false, 1, Isa::detect()));
+        println!("pairs     {n} bodies, {FAR} scale lengths off, in f32: rms error {far:.1e}");
+        assert!(far < 3e-7, "the error is that of places in f32, wherever they are");
+        if run.wants(&format!("pairs/f32/{n}")) {
+            let mut peers = by_hand(&bodies, f32_loops());
+            peers.push(particular!(bodies, f32, ultraviolet::Vec3, 8));
+            study::<f32>((run, *n), &bodies, &mut summary, peers);
+        }
+        if run.wants(&format!("pairs/f64/{n}")) {
+            let mut peers = by_hand(&bodies, f64_loops());
+            peers.push(particular!(bodies, f64, ultraviolet::DVec3, 4));
+            study::<f64>((run, *n), &bodies, &mut summary, peers);
+        }
+    }
+    let bodies = Plummer::new(SIZES[0], 0.0);
+    let mut line = [step("stock law", engine::<f32>(&bodies, false, 1, Isa::detect()))];
+    Race::lines(&mut lines, "pairs/f32/1536", (SIZES[0] * (SIZES[0] - 1)) as f64, &mut line);
     lines.final_summary();
     summary.write()
 }

@@ -63,6 +63,62 @@ impl Bodies {
     }
 }
 
+/// A Plummer sphere with G = M = a = 1, cut off at 10 a, of equal masses at rest.
+#[derive(Clone, Debug)]
+pub struct Plummer {
+    /// Places, rounded to f32.
+    pub position: Vec<[f64; 3]>,
+}
+
+impl Plummer {
+    /// So many bodies, around a point that is `offset` from the origin along each axis.
+    pub fn new(count: usize, offset: f64) -> Self {
+        let mut random = Random::new(3);
+        let mut position = Vec::with_capacity(count);
+        while position.len() < count {
+            // The share of the mass within r is (1 + 1 / r^2)^(-3/2).
+            let r = 1.0 / (random.between(1e-6, 1.0).powf(-2.0 / 3.0) - 1.0).sqrt();
+            let towards = random.vector(-1.0, 1.0);
+            let length = towards.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if r < 10.0 && (0.1..1.0).contains(&length) {
+                position.push(towards.map(|x| f64::from((x * r / length + offset) as f32)));
+            }
+        }
+        Plummer { position }
+    }
+
+    /// The mass of each body.
+    pub fn mass(&self) -> f64 {
+        1.0 / self.position.len() as f64
+    }
+
+    /// With place, velocity and mass.
+    pub fn domain<P: Precision>(&self) -> Domain<P> {
+        let rest = vec![[0.0; 3]; self.position.len()];
+        let domain = Domain::new("bodies").with(Position, &self.position).with(Velocity, rest);
+        domain.with(Mass, vec![self.mass(); self.position.len()])
+    }
+
+    /// The root mean square of |a - a_ref| / |a_ref| over a sample of the bodies, for sums in f64.
+    pub fn error(&self, softening: f64, acceleration: impl Fn(usize) -> [f64; 3]) -> f64 {
+        let count = self.position.len();
+        let (mut squares, mut sample) = (0.0, 0.0);
+        for i in (0..count).step_by(count.div_ceil(500)) {
+            let mut exact = [0.0; 3];
+            for (_, place) in self.position.iter().enumerate().filter(|(j, _)| *j != i) {
+                let d = [0, 1, 2].map(|axis| place[axis] - self.position[i][axis]);
+                let r2 = d.iter().map(|d| d * d).sum::<f64>() + softening * softening;
+                (0..3).for_each(|axis| exact[axis] += self.mass() * d[axis] / (r2 * r2.sqrt()));
+            }
+            let found = acceleration(i);
+            let off: f64 = (0..3).map(|axis| (found[axis] - exact[axis]).powi(2)).sum();
+            squares += off / exact.iter().map(|a| a * a).sum::<f64>();
+            sample += 1.0;
+        }
+        (squares / sample).sqrt()
+    }
+}
+
 /// Bodies on a cubic lattice with springs between neighbours, a little off their places.
 #[derive(Clone, Debug, Default)]
 pub struct Lattice {

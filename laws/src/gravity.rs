@@ -13,7 +13,7 @@ use vesper::prelude::*;
 /// product G m_i m_j comes first and must stay below 3e38 N m^2: that of Sun and Earth is 8e44 N m^2, so take
 /// `gravity_by_parameter`, or other units. Distances lie between 3e-13 m and 7e12 m, for their cubes.
 #[derive(Law, Clone, Copy, Debug)]
-#[law(reads(position: Position, mass: Mass), adds(force: Force), translation_invariant)]
+#[law(reads(position: Position, mass: Mass), adds(force: Force), translation_invariant, antisymmetric, estimates)]
 pub struct Gravity<R = f64> {
     /// Constant of gravitation.
     #[law(unit = "m^3 kg^-1 s^-2", default = 6.674_30e-11)]
@@ -28,7 +28,7 @@ impl<R: Real> PairLaw<R> for Gravity<R> {
     fn pair(&self, i: GravityRow<R>, j: GravityRow<R>) -> R::Vec3 {
         let d = j.position - i.position;
         let r2 = d.length_squared() + self.softening * self.softening;
-        d * (self.g * i.mass * j.mass / (r2 * r2.sqrt()))
+        d * (self.g * i.mass * j.mass).over_root_cubed(r2)
     }
 
     fn energy(&self, i: GravityRow<R>, j: GravityRow<R>) -> R {

@@ -18,8 +18,8 @@ pub struct Law {
     pub snake: String,
     pub doc: String,
     pub domain: Option<String>,
-    pub second_order: bool,
-    pub translation_invariant: bool,
+    /// What it says of its body.
+    pub words: Vec<String>,
     /// In the order of their numbers.
     pub ports: Vec<Port>,
     /// Per port: the ports that a rate depends on, one bit each; all bits where the declaration does not say.
@@ -66,7 +66,7 @@ impl Faults {
 
 pub fn check(declaration: Declaration) -> syn::Result<Law> {
     let Declaration { name, visibility, doc, generics, declared, domain, mut ports, link, fields, .. } = declaration;
-    let (second_order, translation_invariant) = (declaration.second_order, declaration.translation_invariant);
+    let words = declaration.words;
     let mut faults = Faults::default();
     let real = real(&generics, &mut faults);
     if !declared {
@@ -81,18 +81,23 @@ pub fn check(declaration: Declaration) -> syn::Result<Law> {
     {
         faults.at(domain.span(), format!("domain `{}` is no name: write it as `bodies`", domain.value()));
     }
-    if let Some(span) = second_order
-        && !ports.iter().any(|port| port.mode == Mode::Rates)
-    {
-        faults.at(span, "`second_order` without `rates`: it says that the rate of a coordinate is its momentum");
-    }
-    if let Some(span) = translation_invariant
-        && !ports.iter().any(|port| port.mode == Mode::Reads)
-    {
-        faults.at(
-            span,
-            "`translation_invariant` without `reads`: it says that differences of coordinates are all it looks at",
-        );
+    let has = |mode| ports.iter().any(|port| port.mode == mode);
+    for word in &words {
+        match word.to_string().as_str() {
+            "second_order" if !has(Mode::Rates) => faults.at(
+                word.span(),
+                "`second_order` without `rates`: it says that the rate of a coordinate is its momentum",
+            ),
+            "translation_invariant" if !has(Mode::Reads) => faults.at(
+                word.span(),
+                "`translation_invariant` without `reads`: it says that differences of coordinates are all it looks at",
+            ),
+            "antisymmetric" if !has(Mode::Adds) => faults.at(
+                word.span(),
+                "`antisymmetric` without `adds`: it says that what the second row adds to the first is taken from the second",
+            ),
+            _ => {}
+        }
     }
     ports.sort_by_key(rank);
     if let Some(port) = ports.get(63) {
@@ -112,21 +117,8 @@ pub fn check(declaration: Declaration) -> syn::Result<Law> {
         return Err(faults);
     }
     let (snake, domain) = (snake_case(&name.to_string()), domain.map(|domain| domain.value()));
-    let [second_order, translation_invariant] = [second_order, translation_invariant].map(|word| word.is_some());
-    Ok(Law {
-        name,
-        visibility,
-        real,
-        snake,
-        doc,
-        domain,
-        second_order,
-        translation_invariant,
-        ports,
-        from,
-        link,
-        members,
-    })
+    let words = words.iter().map(Ident::to_string).collect();
+    Ok(Law { name, visibility, real, snake, doc, domain, words, ports, from, link, members })
 }
 
 pub fn is_output(port: &Port) -> bool {

@@ -8,7 +8,7 @@ use syn::{Ident, Path};
 
 use crate::check::{Law, Member, is_output, text};
 use crate::columns;
-use crate::parse::{Mode, Number, Place, Port};
+use crate::parse::{Mode, Number, Place, Port, WORDS};
 
 /// A port with its number.
 pub type Numbered<'a> = (usize, &'a Port);
@@ -260,7 +260,10 @@ fn implementation(law: &Law) -> TokenStream {
     let ports = law.ports.iter().zip(&law.from).map(|(port, &from)| signature_port(port, from));
     let parameters = law.members.iter().filter_map(signature_parameter);
     let (snake, doc) = (&law.snake, &law.doc);
-    let (second_order, translation_invariant) = (law.second_order, law.translation_invariant);
+    let words = WORDS.iter().map(|word| {
+        let (field, said) = (format_ident!("{word}"), law.words.iter().any(|said| said == word));
+        quote!(#field: #said,)
+    });
     let domain = option(law.domain.as_ref().map(|domain| quote!(#domain)));
     let link = option(law.link.as_ref().map(|link| info(&link.property)));
     let bodies = law.members.iter().map(|member| match member {
@@ -296,8 +299,7 @@ fn implementation(law: &Law) -> TokenStream {
                 ports: PORTS,
                 parameters: PARAMETERS,
                 link: #link,
-                second_order: #second_order,
-                translation_invariant: #translation_invariant,
+                #(#words)*
                 file: ::core::file!(),
                 line: ::core::line!(),
             };

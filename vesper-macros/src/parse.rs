@@ -18,10 +18,8 @@ pub struct Declaration {
     /// Whether there was a `#[law(...)]` at all.
     pub declared: bool,
     pub domain: Option<LitStr>,
-    /// The word `second_order`.
-    pub second_order: Option<Span>,
-    /// The word `translation_invariant`.
-    pub translation_invariant: Option<Span>,
+    /// Those of [`WORDS`] that it says.
+    pub words: Vec<Ident>,
     pub ports: Vec<Port>,
     pub link: Option<Link>,
     pub fields: Vec<Field>,
@@ -88,6 +86,9 @@ pub struct Field {
     pub default: Option<Number>,
 }
 
+/// What a law may say of its body; each is a field of `vesper::law::Signature`.
+pub const WORDS: [&str; 4] = ["second_order", "translation_invariant", "antisymmetric", "estimates"];
+
 /// The groups outside a link.
 const GROUPS: [(&str, Mode, Place); 7] = [
     ("reads", Mode::Reads, Place::Own),
@@ -116,8 +117,7 @@ impl Declaration {
             generics: input.generics,
             declared: false,
             domain: None,
-            second_order: None,
-            translation_invariant: None,
+            words: Vec::new(),
             ports: Vec::new(),
             link: None,
             fields: Vec::new(),
@@ -151,10 +151,8 @@ impl Declaration {
                 if self.domain.replace(domain).is_some() {
                     return Err(fault(word.span(), "a second `domain`: a law stands on one domain"));
                 }
-            } else if text == "second_order" {
-                self.second_order = Some(word.span());
-            } else if text == "translation_invariant" {
-                self.translation_invariant = Some(word.span());
+            } else if WORDS.contains(&text.as_str()) {
+                self.words.push(word);
             } else if text == "link" {
                 if self.link.is_some() {
                     return Err(fault(word.span(), "a second `link`: a law follows one link; split it into two laws"));
@@ -165,7 +163,8 @@ impl Declaration {
             } else {
                 let what = if input.peek(token::Paren) { "mode" } else { "key" };
                 let mut known: Vec<&str> = GROUPS.iter().map(|group| group.0).collect();
-                known.extend(["link", "domain", "second_order", "translation_invariant"]);
+                known.extend(["link", "domain"]);
+                known.extend(WORDS);
                 return Err(fault(word.span(), unknown(what, &text, &known)));
             }
             comma(input)?;

@@ -247,13 +247,41 @@ pub enum Fault {
     },
     #[error("{who} does not let the origin move: {reason}")]
     OriginStays { who: String, reason: String },
-    #[error(
-        "{law} says translation_invariant, but what it gives changes where both rows of a pair move alike: look at differences of \
-         coordinates only, or leave the word out"
-    )]
-    NotInvariant { law: String },
+    #[error("{law} says {word}: {}, or leave the word out", word.advice())]
+    NotAsSaid { law: String, word: PairWord },
     #[error("the checkpoint does not fit: {reason}")]
     Checkpoint { reason: String },
+}
+
+/// What a law of pairs may say of its body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PairWord {
+    /// It looks at differences of coordinates only.
+    TranslationInvariant,
+    /// Row j loses what row i gets.
+    Antisymmetric,
+}
+
+impl core::fmt::Display for PairWord {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            PairWord::TranslationInvariant => "translation_invariant",
+            PairWord::Antisymmetric => "antisymmetric",
+        })
+    }
+}
+
+impl PairWord {
+    fn advice(self) -> &'static str {
+        match self {
+            PairWord::TranslationInvariant => {
+                "but what it gives changes where both rows of a pair move alike: look at differences of coordinates only"
+            }
+            PairWord::Antisymmetric => {
+                "but what row j does to row i is not the opposite of what row i does to row j: give i and j opposite shares"
+            }
+        }
+    }
 }
 
 fn blown_up(traced: bool, step: u64, time: f64) -> String {

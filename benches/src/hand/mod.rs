@@ -4,12 +4,12 @@
 //! arguments of their own, because only then does the compiler know that they do not overlap.
 
 mod coloured;
-mod pairs;
+#[cfg(target_arch = "x86_64")]
+pub mod direct;
 mod rows;
 mod springs;
 
 pub use coloured::Coloured;
-pub use pairs::Attracted;
 pub use rows::{Charged, Step};
 pub use springs::Sprung;
 

@@ -350,6 +350,9 @@ impl Notes<'_> {
         if engine.compensated.as_ref().is_some_and(|compensated| compensated.value) {
             builder = builder.compensated();
         }
+        if let Some(estimates) = &engine.estimates {
+            builder = builder.estimates(estimates.value);
+        }
         if engine.across_jumps.as_ref().is_some_and(|across| across.value) {
             builder = builder.across_jumps();
         }

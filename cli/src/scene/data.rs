@@ -80,6 +80,8 @@ pub struct EngineSettings {
     pub compensated: Option<Spanned<bool>>,
     /// Whether steps go across jumps of laws and fields.
     pub across_jumps: Option<Spanned<bool>>,
+    /// Whether laws that allow estimates are computed with them.
+    pub estimates: Option<Spanned<bool>>,
     /// Whether positions are kept relative to an origin that moves with the rows.
     pub moving_origin: Option<Spanned<bool>>,
     /// Columns to observe, as `domain.property`; `None` means every state property.

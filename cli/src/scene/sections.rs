@@ -27,6 +27,7 @@ pub(crate) const ENGINE: [&str; 12] = [
     "strict",
     "compensated",
     "across_jumps",
+    "estimates",
     "moving_origin",
     "observe",
 ];
@@ -51,6 +52,7 @@ pub(crate) fn engine(walk: &mut Walk, node: &Node) -> EngineSettings {
             "strict" => settings.strict = walk.flag(node),
             "compensated" => settings.compensated = walk.flag(node),
             "across_jumps" => settings.across_jumps = walk.flag(node),
+            "estimates" => settings.estimates = walk.flag(node),
             "moving_origin" => settings.moving_origin = walk.flag(node),
             "observe" => settings.observe = observe(walk, node),
             _ => {}

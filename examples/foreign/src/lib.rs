@@ -8,7 +8,7 @@ use vesper::prelude::*;
 
 /// Newton's law of universal gravitation between point masses, softened as by Plummer.
 #[derive(Law, Clone, Copy, Debug)]
-#[law(reads(position: Position, mass: Mass), adds(force: Force))]
+#[law(reads(position: Position, mass: Mass), adds(force: Force), antisymmetric, estimates)]
 pub struct Gravity<R = f64> {
     /// Constant of gravitation (CODATA 2022).
     #[law(unit = "m^3 kg^-1 s^-2", default = 6.674_30e-11)]
@@ -23,6 +23,6 @@ impl<R: Real> PairLaw<R> for Gravity<R> {
     fn pair(&self, i: GravityRow<R>, j: GravityRow<R>) -> R::Vec3 {
         let d = j.position - i.position;
         let r2 = d.length_squared() + self.softening * self.softening;
-        d * (self.g * i.mass * j.mass / (r2 * r2.sqrt()))
+        d * (self.g * i.mass * j.mass).over_root_cubed(r2)
     }
 }

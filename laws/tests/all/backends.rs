@@ -1,5 +1,6 @@
 //! Every stock law gives the same bits on every backend, in lanes of every width, on any number of threads, and for any
-//! order of registration. The laws are taken from the catalog, so that none can be forgotten.
+//! order of registration; those that allow estimates do so without them, and with them for one instruction set, within some
+//! roundings of the others. The laws are taken from the catalog, so that none can be forgotten.
 
 use vesper::backend::Compiled;
 use vesper::law::{Mode, Place, Port};
@@ -85,6 +86,7 @@ struct Machine {
     isa: Isa,
     backend: Backend,
     threads: usize,
+    estimates: bool,
 }
 
 /// A number for every parameter that has no default.
@@ -105,6 +107,7 @@ fn run<P: Precision>(
         .isa(machine.isa)
         .backend(machine.backend)
         .threads(machine.threads)
+        .estimates(machine.estimates)
         .constant(GravityAcceleration, [[0.1, 0.2, -9.81]])
         .constant(SpeedOfLight, [20.0])
         .field(GravityField, |place: P::Vec3, time: P| place * time)
@@ -160,24 +163,62 @@ fn bits<P: Precision>(laws: &[(&StockLaw, &str)], order: &[usize], machine: Mach
     bits
 }
 
-fn machines() -> impl Iterator<Item = Machine> {
-    Isa::available().into_iter().flat_map(|isa| {
-        let parallel = [1, 2, 3, 7].map(|threads| Machine { isa, backend: Backend::Parallel, threads });
-        [Machine { isa, backend: Backend::Cpu, threads: 1 }].into_iter().chain(parallel)
-    })
+/// All backends and some numbers of threads, without estimates.
+fn machines(isa: Isa) -> impl Iterator<Item = Machine> {
+    let parallel = [1, 2, 3, 7].map(|threads| Machine { isa, backend: Backend::Parallel, threads, estimates: false });
+    [Machine { isa, ..REFERENCE }].into_iter().chain(parallel)
 }
 
-const REFERENCE: Machine = Machine { isa: Isa::Scalar, backend: Backend::Cpu, threads: 1 };
+const REFERENCE: Machine = Machine { isa: Isa::Scalar, backend: Backend::Cpu, threads: 1, estimates: false };
 
 fn every_law_on_every_machine<P: Precision>() {
     for law in stock_laws() {
         let laws = [(law, "rows")];
         let reference = bits::<P>(&laws, &[0], REFERENCE);
-        for machine in machines() {
+        for machine in Isa::available().into_iter().flat_map(machines) {
             // Not `assert_eq`, which would print thousands of numbers.
             assert!(bits::<P>(&laws, &[0], machine) == reference, "{} differs on {machine:?}", law.signature.name);
         }
     }
+}
+
+/// The largest difference of two runs, in parts of the largest number of a property.
+fn difference<P: Precision, Q: Precision>(
+    (a, looked_at): &(Engine<P>, Vec<(String, PropertyInfo)>),
+    b: &Engine<Q>,
+) -> f64 {
+    looked_at.iter().fold(0.0, |most, (domain, property)| {
+        let a = a.state().numbers(domain, *property).unwrap();
+        let b = b.state().numbers(domain, *property).unwrap();
+        let largest = b.iter().fold(0.0, |largest, number| f64::max(largest, number.abs()));
+        let off = a.iter().zip(&b).fold(0.0, |off, (a, b)| f64::max(off, (a - b).abs()));
+        assert!(off.is_finite(), "{}: {off}", property.name);
+        f64::max(most, off / largest)
+    })
+}
+
+fn with_estimates<P: Precision>() {
+    let allow = stock_laws().iter().filter(|law| law.signature.estimates);
+    for law in allow {
+        let laws = [(law, "rows")];
+        let exact = run::<f64>(&laws, &[0], REFERENCE).0;
+        for isa in Isa::available() {
+            let with = |machine| Machine { estimates: true, ..machine };
+            let reference = bits::<P>(&laws, &[0], with(Machine { isa, ..REFERENCE }));
+            for machine in machines(isa).map(with) {
+                assert!(bits::<P>(&laws, &[0], machine) == reference, "{} differs on {machine:?}", law.signature.name);
+            }
+            let off = difference(&run::<P>(&laws, &[0], with(Machine { isa, ..REFERENCE })), &exact);
+            assert!(off < 16.0 * P::EPSILON, "{} in {isa:?}: {off:e}", law.signature.name);
+        }
+    }
+}
+
+#[test]
+fn a_law_that_allows_estimates_gives_the_same_bits_on_any_number_of_threads() {
+    assert!(stock_laws().iter().filter(|law| law.signature.estimates).count() >= 2);
+    with_estimates::<f64>();
+    with_estimates::<f32>();
 }
 
 #[test]
@@ -194,16 +235,10 @@ fn every_stock_law_gives_the_same_bits_everywhere_in_f32() {
 fn every_stock_law_gives_the_same_in_double_double_as_in_f64() {
     for law in stock_laws() {
         let laws = [(law, "rows")];
-        let (double, looked_at) = run::<f64>(&laws, &[0], REFERENCE);
-        let (twice, _) = run::<DoubleDouble>(&laws, &[0], REFERENCE);
-        for (domain, property) in looked_at {
-            let [double, twice] = [double.state().numbers(&domain, property), twice.state().numbers(&domain, property)]
-                .map(Result::unwrap);
-            let largest = twice.iter().fold(0.0, |largest, number| f64::max(largest, number.abs()));
-            let off = double.iter().zip(&twice).fold(0.0, |off, (a, b)| f64::max(off, (a - b).abs()));
-            // Sums over a thousand rows, of terms of any sign.
-            assert!(off <= 1e-11 * largest, "{}, {}: {off:e} of {largest:e}", law.signature.name, property.name);
-        }
+        let twice = run::<DoubleDouble>(&laws, &[0], REFERENCE).0;
+        // Sums over a thousand rows, of terms of any sign.
+        let off = difference(&run::<f64>(&laws, &[0], REFERENCE), &twice);
+        assert!(off <= 1e-11, "{}: {off:e}", law.signature.name);
     }
 }
 
@@ -258,7 +293,8 @@ fn any_order_of_registration_gives_the_same_bits() {
         keys.sort_by(|a, b| a.0.total_cmp(&b.0));
         orders.push(keys.into_iter().map(|(_, law)| law).collect());
     }
-    let parallel = Machine { isa: *Isa::available().last().unwrap(), backend: Backend::Parallel, threads: 3 };
+    let widest = *Isa::available().last().unwrap();
+    let parallel = Machine { isa: widest, backend: Backend::Parallel, threads: 3, estimates: false };
     for (index, order) in orders.iter().enumerate() {
         let machine = if index % 2 == 0 { REFERENCE } else { parallel };
         assert!(bits::<f64>(&laws, order, machine) == reference, "{order:?} on {machine:?}");

@@ -15,6 +15,7 @@ mod macros;
 mod nystrom;
 mod orders;
 mod origin;
+mod pairs;
 mod precision;
 mod respa;
 mod solar_system;

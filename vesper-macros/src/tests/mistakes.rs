@@ -53,13 +53,14 @@ fn compile_errors(expansion: &proc_macro2::TokenStream) -> Vec<String> {
 
 #[test]
 fn wrong_laws() {
-    let all = "known are `reads`, `sets`, `adds`, `rates`, `amends`, `scene`, `fields`, `link`, `domain`, `second_order`, `translation_invariant`";
+    let all = "known are `reads`, `sets`, `adds`, `rates`, `amends`, `scene`, `fields`, `link`, `domain`, `second_order`, `translation_invariant`, `antisymmetric`, `estimates`";
     let table: Vec<(String, String, &str)> = [
         (law("read(v: Velocity), adds(force: Force)"), "unknown mode `read`: did you mean `reads`?", "read"),
         (law("domian = \"bodies\", adds(force: Force)"), "unknown key `domian`: did you mean `domain`?", "domian"),
         (law("computes(force: Force)"), &format!("unknown mode `computes`: {all}"), "computes"),
         (law("domain = \"Two Bodies\", adds(force: Force)"), "domain `Two Bodies` is no name: write it as `bodies`", "\"Two Bodies\""),
         (law("translation_invariant, adds(force: Force)"), "`translation_invariant` without `reads`: it says that differences of coordinates are all it looks at", "translation_invariant"),
+        (law("antisymmetric, reads(v: Velocity), sets(force: Force)"), "`antisymmetric` without `adds`: it says that what the second row adds to the first is taken from the second", "antisymmetric"),
         (law("second_order, adds(force: Force)"), "`second_order` without `rates`: it says that the rate of a coordinate is its momentum", "second_order"),
         (law("domain = \"a\", domain = \"b\", adds(force: Force)"), "a second `domain`: a law stands on one domain", "domain"),
         (law("reads(v: Velocity, v: Mass), adds(force: Force)"), "field `v` is declared twice: give one of them another name", "v"),

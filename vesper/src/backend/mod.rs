@@ -4,7 +4,6 @@
 //! at a time and for lanes, and chosen at run time. Every one of them gives the same bits: lanes round as scalars do,
 //! and the terms of a sum are added in the order of the rows. Never: an order of laws, an integrator.
 
-mod apart;
 mod column;
 mod dynamic;
 mod link;
@@ -19,10 +18,9 @@ pub use link::link;
 pub use pair::pair;
 pub use row::row;
 
-pub(crate) use apart::coordinate_slots;
 pub(crate) use column::ColumnKernel;
 pub(crate) use link::{LinkCall, LinkKernel, Strided};
-pub(crate) use pair::{PairCall, PairKernel};
+pub(crate) use pair::{BLOCK, PAYS, PairCall, PairKernel, Tally, coordinate_slots, rounds};
 pub(crate) use pointers::{MAX_SLOTS, row_of, wants};
 pub(crate) use row::{AHEAD, RowCall, RowKernel};
 pub(crate) use tangent::{DualReach, Reach, TangentCall};
@@ -42,8 +40,9 @@ pub(crate) const fn block<P>(bytes: usize) -> usize {
 
 /// Stops the compiler at a law that is not of pairs, and says what only those can.
 const fn says_nothing_of_pairs(signature: &Signature) {
-    let word = signature.translation_invariant;
-    assert!(!word, "`translation_invariant` is for laws of pairs: leave the word out");
+    assert!(!signature.translation_invariant, "`translation_invariant` is for laws of pairs: leave the word out");
+    assert!(!signature.antisymmetric, "`antisymmetric` is for laws of pairs: leave the word out");
+    assert!(!signature.estimates, "`estimates` is for laws of pairs: leave the word out");
 }
 
 /// A law whose body is known. Implemented by `#[kernel]`.

@@ -259,24 +259,25 @@ impl<P: Scalar, R: Lanes<P>, Rule: RateRule> Sink<R> for RowsMut<'_, P, R, Rule>
     }
 }
 
-/// Sums of the results of many pairs, in registers.
-pub(crate) struct Sums<R> {
-    pub(crate) values: [R; SUMS],
+/// What one pair gives, or the sums of many, in registers: room for `N` numbers, since what is never used takes the compiler's time.
+#[derive(Clone, Copy)]
+pub(crate) struct Sums<R, const N: usize> {
+    pub(crate) values: [R; N],
     first: usize,
 }
 
 /// Components that one pair law may add to.
 pub(crate) const SUMS: usize = 12;
 
-impl<R: Real> Sums<R> {
+impl<R: Real, const N: usize> Sums<R, N> {
     #[inline(always)]
     pub(crate) fn zero(first: usize) -> Self {
-        Sums { values: [R::lit(0.0); SUMS], first }
+        Sums { values: [R::lit(0.0); N], first }
     }
 
     /// Adds the first `count` of a share.
     #[inline(always)]
-    pub(crate) fn take(&mut self, share: &Sums<R>, count: usize) {
+    pub(crate) fn take(&mut self, share: &Sums<R, N>, count: usize) {
         for (sum, share) in self.values[..count].iter_mut().zip(&share.values) {
             *sum += *share;
         }
@@ -284,27 +285,58 @@ impl<R: Real> Sums<R> {
 
     /// The same, but for the lanes that are true.
     #[inline(always)]
-    pub(crate) fn take_but(&mut self, not: R::Mask, share: &Sums<R>, count: usize) {
+    pub(crate) fn take_but(&mut self, not: R::Mask, share: &Sums<R, N>, count: usize) {
         for (sum, share) in self.values[..count].iter_mut().zip(&share.values) {
             *sum = R::select(not, *sum, *sum + *share);
         }
     }
 
-    /// For what is added to a sum: what leaves every number as it is, so that the compiler leaves it out.
+    /// Takes the first `count` of a share away.
+    #[inline(always)]
+    pub(crate) fn lose(&mut self, share: &Sums<R, N>, count: usize) {
+        for (sum, share) in self.values[..count].iter_mut().zip(&share.values) {
+            *sum -= *share;
+        }
+    }
+
+    /// The same, but for the lanes that are true.
+    #[inline(always)]
+    pub(crate) fn lose_but(&mut self, not: R::Mask, share: &Sums<R, N>, count: usize) {
+        for (sum, share) in self.values[..count].iter_mut().zip(&share.values) {
+            *sum = R::select(not, *sum, *sum - *share);
+        }
+    }
+
+    /// Whether the first `count` are numbers in all lanes.
+    #[inline(always)]
+    pub(crate) fn are_finite<P: Scalar>(&self, count: usize) -> bool
+    where
+        R: Lanes<P>,
+    {
+        // Zero, but NaN where a number is infinite or NaN.
+        let mut nothing = R::lit(0.0);
+        for number in &self.values[..count] {
+            nothing += *number - *number;
+        }
+        nothing.sum().is_finite()
+    }
+
+    /// For a share that gives nothing to some: what leaves every number as it is, so that the compiler leaves it out.
     #[inline(always)]
     pub(crate) fn nothing(first: usize) -> Self {
-        Sums { values: [R::lit(-0.0); SUMS], first }
+        Sums { values: [R::lit(-0.0); N], first }
     }
 }
 
-impl<R: Real> Sink<R> for Sums<R> {
+/// A share is given number by number, each of them once.
+impl<R: Real, const N: usize> Sink<R> for Sums<R, N> {
     #[inline(always)]
     fn set(&mut self, slot: usize, value: R) {
         self.values[slot - self.first] = value;
     }
     #[inline(always)]
     fn add(&mut self, slot: usize, value: R) {
-        self.values[slot - self.first] += value;
+        self.set(slot, value);
     }
     #[inline(always)]
     fn rate(&mut self, _coordinate: bool, slot: usize, value: R) {

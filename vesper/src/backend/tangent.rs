@@ -4,7 +4,7 @@
 //! that a law adds and sets, with the derivatives of all that it gives; of rates the derivatives only. Never lanes: these
 //! loops are made once for each law and precision, so that laws which nobody differentiates cost no time to compile.
 
-use super::pointers::{Sums, first_output, slots_at};
+use super::pointers::{SUMS, Sums, first_output, slots_at};
 use super::within::Within;
 use crate::law::{Declared, LinkFamily, LinkLaw, PairFamily, PairLaw, Place, RowFamily, RowLaw, Sink, Source};
 use crate::real::{Dual, Scalar};
@@ -184,9 +184,11 @@ pub(super) unsafe fn pairs<P: Scalar, F: PairFamily>(law: &F, call: &TangentCall
     // Loaded once: each row meets all others.
     let all: Vec<_> = (0..call.rows).map(load).collect();
     for (i, row) in all.iter().enumerate() {
-        let mut sums = Sums::<Dual<P>>::zero(first);
+        let mut sums = Sums::<Dual<P>, SUMS>::zero(first);
         for other in all[..i].iter().chain(&all[i + 1..]) {
-            <F::Kernel<Dual<P>> as Declared<Dual<P>>>::store(law.pair(*row, *other), &mut sums);
+            let mut share = Sums::<Dual<P>, SUMS>::nothing(first);
+            <F::Kernel<Dual<P>> as Declared<Dual<P>>>::store(law.pair(*row, *other), &mut share);
+            sums.take(&share, SUMS);
         }
         let mut sink = RowMut { slots, row: i };
         for (slot, sum) in (first..slots.len()).zip(sums.values) {

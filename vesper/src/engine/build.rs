@@ -144,6 +144,7 @@ pub struct Builder<P: Scalar> {
     backend: Backend,
     threads: Option<usize>,
     isa: Option<Isa>,
+    estimates: bool,
 }
 
 impl<P: Scalar> core::fmt::Debug for Builder<P> {
@@ -170,6 +171,7 @@ impl<P: Scalar> Default for Builder<P> {
             backend: Backend::Auto,
             threads: None,
             isa: None,
+            estimates: true,
         }
     }
 }
@@ -317,10 +319,18 @@ impl<P: Scalar> Builder<P> {
     }
 
     /// The instruction set of the loops; the widest that the processor has where none is given. Results do not depend
-    /// on it.
+    /// on it, but for laws that allow estimates.
     #[must_use]
     pub fn isa(mut self, isa: Isa) -> Self {
         self.isa = Some(isa);
+        self
+    }
+
+    /// Whether laws that allow `estimates` are computed with them, where there are many pairs; they are if this is not called.
+    /// Without, every result has the same bits on every processor; with, on every one with the same instruction set.
+    #[must_use]
+    pub fn estimates(mut self, estimates: bool) -> Self {
+        self.estimates = estimates;
         self
     }
 
@@ -354,7 +364,7 @@ impl<P: Scalar> Builder<P> {
                 faults.push(missing);
             }
         }
-        let machine = machine(self.threads, self.isa, &mut faults);
+        let machine = Machine { estimates: self.estimates, ..machine(self.threads, self.isa, &mut faults) };
         let origin = self.moving_origin.map(|property| Origin::amid(property, &mut self.domains)).transpose();
         let origin = origin.unwrap_or_else(|fault| {
             faults.push(fault);
@@ -447,10 +457,11 @@ fn machine(threads: Option<usize>, isa: Option<Isa>, faults: &mut Vec<Fault>) ->
             let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
             pool.map_err(|error| faults.push(Fault::ThreadPool { reason: error.to_string() })).ok()
         });
-        Machine { isa, threads: threads.unwrap_or_else(cores), pool: pool.map(Arc::new), probe: None, stop: None }
+        let (threads, pool) = (threads.unwrap_or_else(cores), pool.map(Arc::new));
+        Machine { isa, estimates: true, threads, pool, probe: None, stop: None }
     }
     #[cfg(not(feature = "parallel"))]
-    Machine { isa, threads: 1, probe: None, stop: None }
+    Machine { isa, estimates: true, threads: 1, probe: None, stop: None }
 }
 
 /// Logs, once, every law that falls asleep, and every one that wakes.

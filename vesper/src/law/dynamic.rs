@@ -158,6 +158,8 @@ impl DynLawBuilder {
             link: None,
             second_order,
             translation_invariant: false,
+            antisymmetric: false,
+            estimates: false,
             file: "",
             line: 0,
         };

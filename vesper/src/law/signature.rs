@@ -117,6 +117,11 @@ pub struct Signature {
     pub second_order: bool,
     /// Whether a pair law looks at differences of coordinates alone: what it gives stays as it is where both rows move alike.
     pub translation_invariant: bool,
+    /// Whether a pair law takes from row j what it adds to row i: then each pair may be looked at once.
+    pub antisymmetric: bool,
+    /// Whether many pairs may be computed with fused products and estimated roots: faster, within some roundings of the body as
+    /// it is written, and not with the same bits on every processor.
+    pub estimates: bool,
     /// Source file of the declaration.
     pub file: &'static str,
     /// Line of the declaration.

@@ -18,6 +18,7 @@ mod linearised;
 mod magnitudes;
 mod merge;
 mod operand;
+mod pairs;
 mod pass;
 mod plan;
 mod prune;
@@ -40,7 +41,7 @@ pub(crate) use tangent::Tangent;
 pub(crate) use vectors::{Vectors, lent_columns};
 
 use crate::backend::Compiled;
-use crate::error::{Fault, Faults};
+use crate::error::{Fault, Faults, PairWord};
 use crate::graph::Graph;
 use crate::integrate::{Integrator, Structure};
 use crate::law::{Mode, Shape};
@@ -71,6 +72,8 @@ pub(crate) struct Listed<P: Scalar> {
 #[derive(Clone)]
 pub(crate) struct Machine {
     pub(crate) isa: Isa,
+    /// Whether laws that allow it are computed with estimates.
+    pub(crate) estimates: bool,
     /// Cores to use.
     pub(crate) threads: usize,
     #[cfg(feature = "parallel")]
@@ -199,14 +202,7 @@ impl<P: Scalar> Pipeline<P> {
         pipeline.turners_at = pipeline.turners().flat_map(|by| pipeline.components(by, state)).collect();
         pipeline.programs =
             plans.into_iter().map(|plan| program(plan, laws, chains, &pipeline, state, machine)).collect();
-        let passes = pipeline.programs.iter().flat_map(|program| &program.passes);
-        let broken = passes.filter(|pass| matches!(&pass.pass, bind::Pass::Pair(pair) if !pair.is_invariant()));
-        let mut broken: Vec<usize> = broken.flat_map(|pass| &pass.laws).copied().collect();
-        broken.sort_unstable();
-        broken.dedup();
-        let faults =
-            broken.into_iter().map(|law| Fault::NotInvariant { law: pipeline.entries[law].label().to_owned() });
-        Faults::unless_empty(faults.collect(), ())?;
+        pipeline.check_pairs()?;
         if integrator.needs_derivatives() {
             pipeline.tangent = Some(Box::new(Tangent::new(&pipeline, laws, state)));
         }
@@ -215,6 +211,28 @@ impl<P: Scalar> Pipeline<P> {
         pipeline.observes = !pipeline.programs[Key::Observe.index()].passes.is_empty();
         pipeline.idle = pipeline.programs.iter().all(|program| program.passes.is_empty());
         Ok(pipeline)
+    }
+
+    /// Whether laws of pairs are what they say they are, where loops rely on it.
+    fn check_pairs(&self) -> Result<(), Faults> {
+        let passes = self.programs.iter().flat_map(|program| &program.passes);
+        let mut broken: Vec<(usize, PairWord)> = Vec::new();
+        for bound in passes {
+            let bind::Pass::Pair(pair) = &bound.pass else { continue };
+            if !pair.is_invariant() {
+                broken.push((pair.law, PairWord::TranslationInvariant));
+            }
+            if !pair.is_antisymmetric() {
+                broken.push((pair.law, PairWord::Antisymmetric));
+            }
+        }
+        broken.sort_unstable();
+        broken.dedup();
+        let label = |law: usize| self.entries[law].label().to_owned();
+        Faults::unless_empty(
+            broken.into_iter().map(|(law, word)| Fault::NotAsSaid { law: label(law), word }).collect(),
+            (),
+        )
     }
 
     /// Whether a law is of pairs, and looks at differences of coordinates only.

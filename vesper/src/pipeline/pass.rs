@@ -1,10 +1,10 @@
 //! Runs one pass over memory. In: a pass that is tied to a state, and what all passes of a run share. Out: results in
 //! their columns, or energies. Never: an order of passes.
 
-use super::bind::{BoundPass, ColumnPass, LinkPass, Located, PairPass, Pass};
+use super::bind::{BoundPass, ColumnPass, LinkPass, Located, Pass};
 use super::run::{Context, in_parts};
 use super::switches::Phase;
-use crate::backend::{Kernel, LinkCall, PairCall, Strided};
+use crate::backend::{Kernel, LinkCall, Strided};
 use crate::law::{ColumnAccess, PortView};
 use crate::real::Scalar;
 use core::ops::Range;
@@ -15,9 +15,9 @@ pub(super) fn run_pass<P: Scalar>(pass: &mut BoundPass<P>, context: &Context<'_,
         Pass::Group(group) => return unsafe { group.run(context) },
         Pass::Pair(pass) if pass.is_one_call && context.is_unwatched() => {
             // SAFETY: the slots have a number for every row, and room behind the last one: they are columns or vectors of ours.
-            unsafe { pass.kernel.run(context.isa.for_few::<P>(pass.rows), &pass.call(0..pass.rows)) };
+            unsafe { pass.kernel.run(context.isa.for_few::<P>(pass.rows), &pass.all()) };
         }
-        Pass::Pair(pass) => return run_pair(pass, context),
+        Pass::Pair(pass) => return super::pairs::run(pass, context),
         Pass::Link(pass) => return run_link(pass, context),
         Pass::Column(pass) => run_columns(pass, context),
         Pass::Axpy { parts, stage } => add_scaled(parts, Some(context.steps[*stage]), context),
@@ -50,51 +50,6 @@ fn add_scaled<P: Scalar>(parts: &[(Located<P>, *mut P)], step: Option<P>, contex
             }
         }
     }
-}
-
-/// Rows of a pair law that a thread takes at a time: a multiple of every width of lanes.
-pub(super) const PAIR_GRAIN: usize = 64;
-
-impl<P: Scalar> PairPass<P> {
-    /// For these rows.
-    #[inline]
-    fn call(&self, rows: Range<usize>) -> PairCall<'_, P> {
-        let PairPass { slots, rests, rows: all, first, .. } = self;
-        PairCall { slots, rests, rows: *all, from: rows.start, to: rows.end, first: *first }
-    }
-
-    /// Whether the law gives the same where it is told differences of coordinates only.
-    pub(super) fn is_invariant(&self) -> bool {
-        // SAFETY: the slots have a number for every row.
-        self.rests.is_empty() || unsafe { self.kernel.is_invariant(&self.call(0..self.rows)) }
-    }
-}
-
-#[inline(never)]
-fn run_pair<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 {
-    for transfer in &pass.transfers {
-        // SAFETY: packed arrays have a number for every row.
-        unsafe { transfer.load(context.lent, 0..pass.rows, pass.packed[transfer.scratch].pointer()) };
-    }
-    if pass.energy {
-        // SAFETY: the slots have a number for every row.
-        return unsafe { pass.kernel.energy(&pass.call(0..pass.rows)) }.unwrap_or_default();
-    }
-    context.timed(pass.law, || {
-        in_parts(context, pass.threads, pass.rows, PAIR_GRAIN, |rows| {
-            // SAFETY: as above; parts sum for different rows.
-            unsafe { pass.kernel.run(context.isa, &pass.call(rows)) };
-        });
-    });
-    context.watch(pass.law, || {
-        let first = first_result(context, pass.law);
-        pass.slots[first..].iter().map(|start| (*start, 1, pass.rows))
-    });
-    for transfer in pass.transfers.iter().filter(|transfer| transfer.save) {
-        // SAFETY: as above.
-        unsafe { transfer.store(context.lent, 0..pass.rows, pass.packed[transfer.scratch].pointer()) };
-    }
-    0.0
 }
 
 /// Links, and rows linked to, that a thread takes at a time.

@@ -315,6 +315,10 @@ impl Lanes<DoubleDouble> for DoubleDouble {
     fn lane(self, _index: usize) -> DoubleDouble {
         self
     }
+    #[inline(always)]
+    fn sum(self) -> Self {
+        self
+    }
 }
 
 impl Scalar for DoubleDouble {

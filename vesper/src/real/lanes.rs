@@ -11,6 +11,8 @@ pub trait Lanes<P>: Real {
     const WIDTH: usize;
     /// The lanes for rows that do not fill half of these, of the same processor.
     type Narrow: Lanes<P>;
+    /// Whether they fuse products with sums, and estimate roots.
+    const ESTIMATES: bool = false;
     /// Reads `WIDTH` neighbouring numbers.
     ///
     /// # Safety
@@ -27,6 +29,8 @@ pub trait Lanes<P>: Real {
     fn from_lanes(lane: impl FnMut(usize) -> P) -> Self;
     /// The number in one lane.
     fn lane(self, index: usize) -> P;
+    /// The sum of all lanes: that of one half and that of the other one are added lane by lane, until one lane is left.
+    fn sum(self) -> P;
 }
 
 /// Work that can be done in any lanes; a [`super::Scalar`] picks them and calls [`WithLanes::with`].
@@ -46,7 +50,7 @@ pub enum Isa {
     /// The registers that every processor of the architecture has: SSE2 on x86-64, 128 bits; elsewhere as many numbers
     /// side by side, for the compiler to put in registers.
     Baseline,
-    /// x86-64 with AVX2: 256-bit registers.
+    /// x86-64 with AVX2 and FMA: 256-bit registers.
     #[cfg(target_arch = "x86_64")]
     #[non_exhaustive]
     Avx2,
@@ -68,7 +72,7 @@ impl Isa {
         let mut sets = vec![Isa::Scalar, Isa::Baseline];
         #[cfg(target_arch = "x86_64")]
         {
-            if is_x86_feature_detected!("avx2") {
+            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
                 sets.push(Isa::Avx2);
                 if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
                     sets.push(Isa::Avx512);
@@ -104,7 +108,7 @@ mod tests {
     }
 
     /// The results of every operation on two numbers.
-    fn results<R: Real>(a: R, b: R) -> [R; 18] {
+    fn results<R: Real>(a: R, b: R) -> [R; 19] {
         let (one, zero) = (R::lit(1.0), R::lit(0.0));
         let truth = |mask| R::select(mask, one, zero);
         let (mut more, mut less) = (a, a);
@@ -119,6 +123,7 @@ mod tests {
             a.abs(),
             a.sqrt(),
             a.rsqrt(),
+            a.over_root_cubed(b),
             a.min(b),
             a.max(b),
             a.sin() + a.cos(),

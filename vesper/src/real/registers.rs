@@ -8,7 +8,7 @@
 macro_rules! lanes {
     (
         $name:ident, $mask:ident, $narrow:ident, $scalar:ident, $register:ty, $truth:ty, $count:literal [$($i:literal)+], $per:literal,
-        $set1:path, $load:path, $store:path, $add:path, $sub:path, $mul:path, $div:path, $sqrt:path, $min:path, $max:path,
+        $set1:path, $load:path, $store:path, $add:path, $sub:path, $mul:path, $div:path, $sqrt:path, $min:path, $max:path, $sum:path,
         |$a:ident, $b:ident, $m:ident| neg $neg:expr, abs $abs:expr, less $less:expr, less_or_equal $less_eq:expr,
         equal $equal:expr, select $select:expr, and $and:expr, or $or:expr, not $not:expr
     ) => {
@@ -260,6 +260,11 @@ macro_rules! lanes {
                 // SAFETY: the array has WIDTH numbers.
                 unsafe { self.store(lanes.as_mut_ptr()) };
                 lanes[index]
+            }
+            #[inline(always)]
+            fn sum(self) -> $scalar {
+                // SAFETY: see above.
+                unsafe { $sum(self.0) }
             }
         }
     };

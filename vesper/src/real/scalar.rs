@@ -1,5 +1,6 @@
 //! `f32` and `f64`: one row at a time, and the precision a whole engine runs in, which may be [`DoubleDouble`], too.
 
+use super::fused::{Estimates, Fused};
 use super::lanes::{Isa, Lanes, WithLanes};
 use super::{DoubleDouble, Real, Vector};
 
@@ -42,6 +43,11 @@ pub trait Scalar: Real + Lanes<Self> + PartialOrd + Default + core::fmt::Display
     ) -> T::Of<Self>;
     /// Runs `task` in the widest lanes of the instruction set `isa`.
     fn with_lanes<T: WithLanes<Self>>(isa: Isa, task: T) -> T::Output;
+    /// The same for a law that allows `estimates`: in lanes that fuse products with sums and estimate roots, where `isa` has them.
+    #[inline(always)]
+    fn with_estimates<T: WithLanes<Self>>(isa: Isa, task: T) -> T::Output {
+        Self::with_lanes(isa, task)
+    }
 }
 
 /// Something that there is for each precision.
@@ -201,6 +207,31 @@ macro_rules! scalar {
             fn lane(self, _index: usize) -> $scalar {
                 self
             }
+            #[inline(always)]
+            fn sum(self) -> Self {
+                self
+            }
+        }
+
+        impl Estimates<$scalar> for $scalar {
+            type Half = $scalar;
+            const TERMS: usize = 0;
+            #[inline(always)]
+            fn fused_add(self, factor: Self, term: Self) -> Self {
+                self.mul_add(factor, term)
+            }
+            #[inline(always)]
+            fn fused_sub(self, factor: Self, term: Self) -> Self {
+                self.mul_add(factor, -term)
+            }
+            #[inline(always)]
+            fn fused_from(self, factor: Self, term: Self) -> Self {
+                (-self).mul_add(factor, term)
+            }
+            #[inline(always)]
+            fn estimate(self) -> Self {
+                self.rsqrt()
+            }
         }
 
         impl Scalar for $scalar {
@@ -240,6 +271,20 @@ macro_rules! scalar {
                     // SAFETY: as above.
                     #[cfg(target_arch = "x86_64")]
                     Isa::Avx512 => unsafe { super::x86::avx512::<$scalar, super::x86::$avx512, T>(task) },
+                }
+            }
+            #[inline(always)]
+            fn with_estimates<T: WithLanes<Self>>(isa: Isa, task: T) -> T::Output {
+                match isa {
+                    // SAFETY: as above.
+                    #[cfg(target_arch = "x86_64")]
+                    Isa::Avx2 => unsafe { super::x86::avx2::<$scalar, Fused<$scalar, super::x86::$avx2>, T>(task) },
+                    // SAFETY: as above.
+                    #[cfg(target_arch = "x86_64")]
+                    Isa::Avx512 => unsafe {
+                        super::x86::avx512::<$scalar, Fused<$scalar, super::x86::$avx512>, T>(task)
+                    },
+                    Isa::Scalar | Isa::Baseline => Self::with_lanes(isa, task),
                 }
             }
         }

@@ -1,13 +1,17 @@
 //! Ties a pair law to a state. In: the operation, and where columns are. Out: a [`PairPass`]. Never runs anything.
 
 use super::{Base, Binder, PARALLEL_PAIRS, Transfer, defaults, threads};
-use crate::backend::{PairKernel, coordinate_slots};
+use crate::backend::{PAYS, PairKernel, coordinate_slots};
 use crate::column::Aligned;
 use crate::pipeline::operand::Operand;
-use crate::pipeline::pass::PAIR_GRAIN;
+use crate::pipeline::pairs::{Once, PAIR_GRAIN};
 use crate::pipeline::plan::{Op, Placed};
 use crate::real::Scalar;
 use std::sync::Arc;
+
+/// Rows from which on a law that allows estimates is computed with them: with fewer, most of the time goes elsewhere, and the
+/// digits count.
+const MANY: usize = 64;
 
 /// A pair law over the rows of its seat.
 pub(crate) struct PairPass<P: Scalar> {
@@ -23,6 +27,10 @@ pub(crate) struct PairPass<P: Scalar> {
     /// Whether the sums that it adds to begin with it: its shares are stored.
     pub(crate) first: bool,
     pub(crate) threads: usize,
+    /// Whether the law is computed with estimates.
+    pub(crate) estimates: bool,
+    /// What looking at each pair once takes, where it pays.
+    pub(crate) once: Option<Once<P>>,
     /// Whether it is one call of the kernel, on numbers where they stand.
     pub(crate) is_one_call: bool,
     /// Keeps the constants that `slots` points to.
@@ -50,6 +58,8 @@ impl<P: Scalar> Binder<'_, P> {
             energy,
             first,
             threads: threads(op.backend, rows * rows, PARALLEL_PAIRS, self.machine),
+            estimates: false,
+            once: None,
             is_one_call: false,
             _defaults: defaults,
         };
@@ -93,7 +103,12 @@ impl<P: Scalar> Binder<'_, P> {
                 pass.rests.clear();
             }
         }
-        pass.is_one_call = pass.transfers.is_empty() && !energy && (pass.threads == 1 || rows <= PAIR_GRAIN);
+        let signature = &self.pipeline.entries[law].signature;
+        pass.estimates = signature.estimates && self.machine.estimates && pass.rests.is_empty() && rows >= MANY;
+        let once = pass.estimates && signature.antisymmetric && rows >= PAYS && !energy;
+        pass.once = once.then(|| Once::new(rows, pass.kernel.added()));
+        pass.is_one_call =
+            pass.once.is_none() && pass.transfers.is_empty() && !energy && (pass.threads == 1 || rows <= PAIR_GRAIN);
         Some(pass)
     }
 }

@@ -160,6 +160,8 @@ mod tests {
             link: None,
             second_order: false,
             translation_invariant: false,
+            antisymmetric: false,
+            estimates: false,
             file: "",
             line: 0,
         }

@@ -7,13 +7,13 @@
 //!
 //! Sums are taken in the order of [`super::pair`], so the bits do not depend on the width of the lanes.
 
-use super::pair::{PairCall, Task};
-use super::pointers::{Rows, Slots, Splat, Sums};
-use super::within::Within;
-use crate::law::{Declared, Mode, PairFamily, PairLaw, Place, Port, Source};
+use super::sight::{RowOf, Sight, load, share};
+use super::{PairCall, Pairs};
+use crate::backend::pointers::{Rows, SUMS, Slots, Splat, Sums};
+use crate::law::{Mode, PairFamily, Place, Port, Source};
 use crate::property::Role;
-use crate::real::{Lanes, Scalar, WithLanes};
-use core::ops::Range;
+use crate::real::{Lanes, Scalar};
+use core::marker::PhantomData;
 
 /// Components of coordinates that one law may look at.
 const COORDINATES: usize = 12;
@@ -41,25 +41,45 @@ const fn number(mask: u64, slot: usize) -> usize {
     (mask & ((1 << slot) - 1)).count_ones() as usize
 }
 
-/// The same as [`Task`], with differences.
-pub(super) struct Apart<'a, P, F>(pub(super) Task<'a, P, F>);
+/// Rows by their differences.
+pub(super) struct Apart<'a, P, F> {
+    /// By slot, what rounding added to each row's coordinate, or null.
+    rests: &'a [*mut P],
+    law: PhantomData<F>,
+}
+
+impl<P, F> Clone for Apart<'_, P, F> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<P, F> Copy for Apart<'_, P, F> {}
 
 /// Coordinates of the rows i of the lanes, and what rounding added to them.
 #[derive(Clone, Copy)]
-struct Own<R> {
+pub(super) struct Own<R> {
     places: [R; COORDINATES],
     rests: [R; COORDINATES],
 }
 
-impl<P: Scalar, F: PairFamily> Apart<'_, P, F> {
+impl<'a, P: Scalar, F: PairFamily> Apart<'a, P, F> {
     const MASK: u64 = coordinate_slots(F::SIGNATURE.ports);
 
+    /// # Safety
+    /// There is one for each slot; those of coordinates have a number for every row, with room behind the last one.
+    pub(super) unsafe fn new(rests: &'a [*mut P]) -> Self {
+        Apart { rests, law: PhantomData }
+    }
+}
+
+impl<P: Scalar, F: PairFamily> Sight<P, F> for Apart<'_, P, F> {
+    type Own<R: Lanes<P>> = (RowOf<F, R>, Own<R>);
     #[inline(always)]
-    fn own<R: Lanes<P>>(&self, slots: &Slots<P>, i: usize) -> (RowOf<F, R>, Own<R>) {
-        // SAFETY: `Task::new` was promised the rows; the same for all blocks here.
+    unsafe fn own<R: Lanes<P>>(self, slots: &Slots<P>, i: usize) -> Self::Own<R> {
+        // SAFETY: the caller promises the rows.
         let rows = unsafe { Rows::<P>::new(slots, i) };
         let mut own = Own { places: [R::lit(0.0); COORDINATES], rests: [R::lit(0.0); COORDINATES] };
-        for (slot, rest) in self.0.call.rests[..Task::<P, F>::COUNT].iter().enumerate() {
+        for (slot, rest) in self.rests[..Pairs::<P, F>::COUNT].iter().enumerate() {
             if Self::MASK >> slot & 1 == 1 {
                 let coordinate = number(Self::MASK, slot);
                 own.places[coordinate] = rows.component(slot);
@@ -67,81 +87,19 @@ impl<P: Scalar, F: PairFamily> Apart<'_, P, F> {
                 own.rests[coordinate] = unsafe { R::load(rest.add(i)) };
             }
         }
-        let source = Within::<_, F>::new(AtZero { rows, mask: Self::MASK });
-        (<F::Kernel<R> as Declared<R>>::load(&source), own)
+        (load::<F, R>(AtZero { rows, mask: Self::MASK }), own)
     }
-
-    /// What row j does to the rows of the lanes.
     #[inline(always)]
-    fn share<R: Lanes<P>>(
-        &self,
+    unsafe fn share<R: Lanes<P>, const N: usize>(
+        self,
         law: &F::Kernel<R>,
         slots: &Slots<P>,
-        (row_i, own): (RowOf<F, R>, &Own<R>),
+        (row, own): &Self::Own<R>,
         j: usize,
-    ) -> Sums<R> {
-        // SAFETY: see above.
-        let row = unsafe { Splat::new(slots, j) };
-        let source = Seen { row, mask: Self::MASK, own, rests: self.0.call.rests, j };
-        let row_j = <F::Kernel<R> as Declared<R>>::load(&Within::<_, F>::new(source));
-        let mut share = Sums::nothing(Task::<P, F>::FIRST);
-        <F::Kernel<R> as Declared<R>>::store(law.pair(row_i, row_j), &mut share);
-        share
-    }
-
-    #[inline(always)]
-    fn others<R: Lanes<P>>(
-        &self,
-        law: &F::Kernel<R>,
-        slots: &Slots<P>,
-        row_i: (RowOf<F, R>, &Own<R>),
-        sums: &mut Sums<R>,
-        others: Range<usize>,
-    ) {
-        for j in others {
-            sums.take(&self.share(law, slots, row_i, j), Task::<P, F>::ADDED);
-        }
-    }
-
-    /// What all other rows do to `count` rows, at most as many as there are lanes.
-    #[inline(always)]
-    fn block<R: Lanes<P>>(&self, law: &F::Kernel<R>, slots: &Slots<P>, i: usize, count: usize) {
-        let (row_i, own) = self.own::<R>(slots, i);
-        let mut sums = Sums::zero(Task::<P, F>::FIRST);
-        self.others(law, slots, (row_i, &own), &mut sums, 0..i);
-        // How far the row of each lane is behind row j: in one lane i is j, and that lane's sum stays as it is.
-        let mut behind = R::from_lanes(|lane| P::from_f64(lane as f64));
-        for j in i..i + count {
-            let itself = behind.equal(R::lit(0.0));
-            behind -= R::lit(1.0);
-            sums.take_but(itself, &self.share(law, slots, (row_i, &own), j), Task::<P, F>::ADDED);
-        }
-        self.others(law, slots, (row_i, &own), &mut sums, i + count..self.0.call.rows);
-        self.0.give(slots, i, &sums);
-    }
-}
-
-type RowOf<F, R> = <<F as PairFamily>::Kernel<R> as Declared<R>>::Row;
-
-impl<P: Scalar, F: PairFamily> WithLanes<P> for Apart<'_, P, F> {
-    type Output = ();
-    #[inline(always)]
-    fn with<R: Lanes<P>>(self) {
-        // SAFETY: `Task::new` was promised the slots.
-        let slots = unsafe { Task::<P, F>::slots(self.0.call) };
-        let (mut i, to) = (self.0.call.from, self.0.call.to);
-        let law = self.0.law.kernel::<R>();
-        while to - i > <R::Narrow as Lanes<P>>::WIDTH || R::WIDTH == 1 && i < to {
-            let count = R::WIDTH.min(to - i);
-            self.block::<R>(&law, &slots, i, count);
-            i += count;
-        }
-        // Behind one row alone there is no room for more.
-        if to - i > 1 {
-            self.block::<R::Narrow>(&self.0.law.kernel::<R::Narrow>(), &slots, i, to - i);
-        } else if i < to {
-            self.block::<P>(&self.0.law.kernel::<P>(), &slots, i, 1);
-        }
+    ) -> Sums<R, N> {
+        // SAFETY: the caller promises the row.
+        let seen = Seen { row: unsafe { Splat::new(slots, j) }, mask: Self::MASK, own, rests: self.rests, j };
+        share::<F, R, N>(law, *row, load::<F, R>(seen))
     }
 }
 
@@ -158,13 +116,14 @@ const LOOKED_AT: usize = 4;
 /// As for [`super::PairKernel::run`]; the call has rests.
 pub(super) unsafe fn is_invariant<P: Scalar, F: PairFamily>(law: &F, call: &PairCall<'_, P>) -> bool {
     // SAFETY: passed on to the caller.
-    let (slots, apart) = unsafe { (Task::<P, F>::slots(call), Apart(Task::new(law, call))) };
+    let (slots, apart) = unsafe { (Pairs::<P, F>::slots(call.slots), Apart::<P, F>::new(call.rests)) };
     let law = law.kernel::<P>();
-    let rows = call.rows.min(LOOKED_AT);
+    let rows = call.others.end.min(LOOKED_AT);
     let mut pairs = (0..rows).flat_map(|i| (0..rows).map(move |j| (i, j))).filter(|(i, j)| i != j);
     pairs.all(|(i, j)| {
-        let (row, own) = apart.own::<P>(&slots, i);
-        let (_, other) = apart.own::<P>(&slots, j);
+        // SAFETY: passed on to the caller; the same for all blocks here.
+        let [seen, (_, other)] = unsafe { [apart.own::<P>(&slots, i), apart.own::<P>(&slots, j)] };
+        let own = seen.1;
         let largest = |numbers: &mut dyn Iterator<Item = P>| {
             numbers.fold(0.0, |most, number| f64::max(most, number.to_f64().abs()))
         };
@@ -176,20 +135,15 @@ pub(super) unsafe fn is_invariant<P: Scalar, F: PairFamily>(law: &F, call: &Pair
             return true;
         }
         let moved = |row: usize| {
-            // SAFETY: passed on to the caller.
+            // SAFETY: see above.
             let rows = unsafe { Rows::<P>::new(&slots, row) };
-            let source = Moved { rows, mask: Apart::<P, F>::MASK, by: distance };
-            <F::Kernel<P> as Declared<P>>::load(&Within::<_, F>::new(source))
+            load::<F, P>(Moved { rows, mask: Apart::<P, F>::MASK, by: distance })
         };
-        let mut expected = Sums::<P>::nothing(Task::<P, F>::FIRST);
-        <F::Kernel<P> as Declared<P>>::store(law.pair(moved(i), moved(j)), &mut expected);
-        let found = apart.share(&law, &slots, (row, &own), j);
+        let expected = share::<F, P, SUMS>(&law, moved(i), moved(j));
+        // SAFETY: see above.
+        let found = unsafe { apart.share::<P, SUMS>(&law, &slots, &seen, j) };
         let [found, expected] = [found, expected].map(|share| share.values.map(Scalar::to_f64));
-        let most = found.iter().chain(&expected).fold(0.0, |most, number| f64::max(most, number.abs()));
-        let same = |(a, b): (&f64, &f64)| {
-            a == b || most.is_finite() && (a - b).abs() <= allowed * most || a.is_nan() && b.is_nan()
-        };
-        found.iter().zip(&expected).all(same)
+        super::agree(&found, &expected, allowed)
     })
 }
 

@@ -1,0 +1,211 @@
+//! Lanes for laws that allow `estimates`: a product that something is added to is one operation with it, and reciprocal roots
+//! begin with the processor's estimate.
+//!
+//! In: lanes whose processor has both ([`Estimates`]). Out: [`Fused`], the same lanes as a [`Real`]. Never: lanes for a law that
+//! does not allow it, whose bits must not depend on the processor.
+//!
+//! The compiler may not fuse what is written as two operations, since that changes the last bit. So a product is kept as its two
+//! factors until somebody wants it. Which of the two a number is, `product` says: once everything is inlined, it is a constant,
+//! and nothing of it is left in the loop. What is fused is decided by the text of the body alone, not by the compiler: the same
+//! bits in debug and release.
+
+use super::{Lanes, Real, Scalar, Vec3};
+use core::marker::PhantomData;
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// What [`Fused`] is made of.
+pub trait Estimates<P>: Lanes<P> {
+    /// [`Lanes::Narrow`].
+    type Half: Estimates<P>;
+    /// Terms of the series in `1 - self * estimate^2` that correct an estimate to the precision `P`; 0 where the processor has
+    /// no estimate.
+    const TERMS: usize;
+    /// `self * factor + term`, rounded once.
+    fn fused_add(self, factor: Self, term: Self) -> Self;
+    /// `self * factor - term`, rounded once.
+    fn fused_sub(self, factor: Self, term: Self) -> Self;
+    /// `term - self * factor`, rounded once.
+    fn fused_from(self, factor: Self, term: Self) -> Self;
+    /// About `1 / sqrt(self)`.
+    fn estimate(self) -> Self;
+}
+
+/// A number of precision `P`, or the product of two that is not computed yet.
+#[derive(Clone, Copy, Debug)]
+pub struct Fused<P, L> {
+    a: L,
+    b: L,
+    product: bool,
+    precision: PhantomData<P>,
+}
+
+impl<P: Scalar, L: Estimates<P>> Fused<P, L> {
+    #[inline(always)]
+    fn of(a: L) -> Self {
+        Fused { a, b: a, product: false, precision: PhantomData }
+    }
+
+    #[inline(always)]
+    fn value(self) -> L {
+        if self.product { self.a * self.b } else { self.a }
+    }
+}
+
+/// What stands before the powers of `h` in `(1 - h)^(-1/2)` and in `(1 - h)^(-3/2)`, after the 1 (binomial series).
+const ROOT: [f64; 3] = [0.5, 0.375, 0.3125];
+const CUBE: [f64; 3] = [1.5, 1.875, 2.1875];
+
+/// The first terms of such a series, by Horner, for `h = 1 - x square`, where `square` is that of an estimate of `1 / sqrt(x)`.
+#[inline(always)]
+fn correction<P: Scalar, L: Estimates<P>>(x: L, square: L, coefficients: [f64; 3]) -> L {
+    let h = x.fused_from(square, L::lit(1.0));
+    let mut terms = coefficients[..L::TERMS].iter().rev();
+    let mut sum = L::lit(terms.next().copied().unwrap_or_default());
+    for &coefficient in terms {
+        sum = sum.fused_add(h, L::lit(coefficient));
+    }
+    sum.fused_add(h, L::lit(1.0))
+}
+
+impl<P: Scalar, L: Estimates<P>> Add for Fused<P, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self::of(match (self.product, other.product) {
+            (_, true) => other.a.fused_add(other.b, self.value()),
+            (true, false) => self.a.fused_add(self.b, other.a),
+            (false, false) => self.a + other.a,
+        })
+    }
+}
+impl<P: Scalar, L: Estimates<P>> Sub for Fused<P, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self::of(match (self.product, other.product) {
+            (_, true) => other.a.fused_from(other.b, self.value()),
+            (true, false) => self.a.fused_sub(self.b, other.a),
+            (false, false) => self.a - other.a,
+        })
+    }
+}
+impl<P: Scalar, L: Estimates<P>> Mul for Fused<P, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Fused { a: self.value(), b: other.value(), product: true, precision: PhantomData }
+    }
+}
+impl<P: Scalar, L: Estimates<P>> Div for Fused<P, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        Self::of(self.value() / other.value())
+    }
+}
+impl<P: Scalar, L: Estimates<P>> Neg for Fused<P, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Fused { a: -self.a, ..self }
+    }
+}
+impl<P: Scalar, L: Estimates<P>> AddAssign for Fused<P, L> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+impl<P: Scalar, L: Estimates<P>> SubAssign for Fused<P, L> {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+/// Functions of one number, and of two, that have no other form.
+macro_rules! as_written {
+    ($($function:ident($($other:ident)?),)*) => {$(
+        #[inline(always)]
+        fn $function(self $(, $other: Self)?) -> Self {
+            Self::of(self.value().$function($($other.value())?))
+        }
+    )*};
+}
+
+impl<P: Scalar, L: Estimates<P>> Real for Fused<P, L> {
+    type Vec3 = Vec3<Self>;
+    type Mask = L::Mask;
+    as_written! { sqrt(), abs(), min(other), max(other), sin(), cos(), exp(), ln(), powf(other), }
+    #[inline(always)]
+    fn lit(value: f64) -> Self {
+        Self::of(L::lit(value))
+    }
+    #[inline(always)]
+    fn rsqrt(self) -> Self {
+        let x = self.value();
+        if L::TERMS == 0 {
+            return Self::of(x.rsqrt());
+        }
+        let root = x.estimate();
+        Self::of(root) * Self::of(correction(x, root * root, ROOT))
+    }
+    #[inline(always)]
+    fn over_root_cubed(self, square: Self) -> Self {
+        let x = square.value();
+        if L::TERMS == 0 {
+            return Self::of(self.value().over_root_cubed(x));
+        }
+        let root = x.estimate();
+        let inverse = root * root;
+        Self::of(self.value() * (root * inverse)) * Self::of(correction(x, inverse, CUBE))
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> L::Mask {
+        self.value().less(other.value())
+    }
+    #[inline(always)]
+    fn less_or_equal(self, other: Self) -> L::Mask {
+        self.value().less_or_equal(other.value())
+    }
+    #[inline(always)]
+    fn equal(self, other: Self) -> L::Mask {
+        self.value().equal(other.value())
+    }
+    #[inline(always)]
+    fn select(mask: L::Mask, yes: Self, no: Self) -> Self {
+        Self::of(L::select(mask, yes.value(), no.value()))
+    }
+}
+
+impl<P: Scalar, L: Estimates<P>> Lanes<P> for Fused<P, L> {
+    const WIDTH: usize = L::WIDTH;
+    type Narrow = Fused<P, L::Half>;
+    const ESTIMATES: bool = true;
+    #[inline(always)]
+    unsafe fn load(from: *const P) -> Self {
+        // SAFETY: the caller promises as many numbers.
+        Self::of(unsafe { L::load(from) })
+    }
+    #[inline(always)]
+    unsafe fn store(self, to: *mut P) {
+        // SAFETY: the caller promises as many numbers.
+        unsafe { self.value().store(to) };
+    }
+    #[inline(always)]
+    fn splat(value: P) -> Self {
+        Self::of(L::splat(value))
+    }
+    #[inline(always)]
+    fn from_lanes(lane: impl FnMut(usize) -> P) -> Self {
+        Self::of(L::from_lanes(lane))
+    }
+    #[inline(always)]
+    fn lane(self, index: usize) -> P {
+        self.value().lane(index)
+    }
+    #[inline(always)]
+    fn sum(self) -> P {
+        self.value().sum()
+    }
+}
