@@ -23,6 +23,8 @@ impl<const READ: usize, const WRITTEN: usize> Law for Counted<READ, WRITTEN> {
         link: None,
         second_order: false,
         translation_invariant: false,
+        antisymmetric: false,
+        estimates: false,
         file: "",
         line: 0,
     };
