@@ -1,13 +1,18 @@
-//! The loop of a link law: gather the rows of each link, compute in lanes, add to them in the order of the links.
+//! The loop of a link law: look at the rows of each link, compute, add to them in the order of the links.
 //!
-//! With threads the shares are stored first, and every row gathers its own in that same order: the same bits.
+//! A call adds to some of the rows only: threads have rows of their own, and each looks at all links that end there. A link
+//! between rows of two threads is computed twice; in return nobody waits, and every row sums in the order of the links: the
+//! same bits.
+
+mod block;
 
 use super::pointers::{MAX_SLOTS, first_output, slot_count, slots_at};
 use super::tangent::{self, TangentCall};
 use super::within::Within;
 use super::{Compiled, Kernel};
-use crate::law::{Declared, LinkFamily, LinkLaw, Place, Signature, Sink, Source};
-use crate::real::{Isa, Lanes, Real, Scalar, WithLanes};
+use crate::law::{Declared, LinkFamily, LinkLaw, Place, Sink, Source};
+use crate::real::{Isa, Real, Scalar};
+use core::ops::Range;
 
 /// Numbers of a component that are `stride` apart.
 #[derive(Clone, Copy, Debug)]
@@ -22,22 +27,46 @@ pub(crate) struct LinkCall<'a, P> {
     pub(crate) slots: &'a [Strided<P>],
     /// The rows linked to, `N` for each link.
     pub(crate) ends: &'a [u32],
-    /// The links of this call.
-    pub(crate) from: usize,
-    pub(crate) to: usize,
-    /// Where the shares go: `outputs()` numbers for each end of each link; null adds them to the rows at once.
-    pub(crate) shares: *mut P,
+    /// The links of this call, in ascending order.
+    pub(crate) links: Links<'a>,
+    /// The rows that are added to; shares of others are left out.
+    pub(crate) rows: Range<u32>,
+}
+
+/// Some links.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Links<'a> {
+    /// The first so many.
+    First(usize),
+    /// Those of these numbers.
+    Listed(&'a [u32]),
+}
+
+impl Links<'_> {
+    fn len(self) -> usize {
+        match self {
+            Links::First(count) => count,
+            Links::Listed(list) => list.len(),
+        }
+    }
+
+    /// The number of the link at a place among them.
+    #[inline(always)]
+    fn at(self, place: usize) -> usize {
+        match self {
+            Links::First(_) => place,
+            Links::Listed(list) => list[place] as usize,
+        }
+    }
 }
 
 /// A link law with its loop.
 pub(crate) trait LinkKernel<P>: Send + Sync {
     /// Rows of one link.
     fn arity(&self) -> usize;
-    /// Numbers that each end gets.
-    fn outputs(&self) -> usize;
     /// # Safety
     /// Every slot is null where its port is absent, or reaches all rows; ends are rows of the target domain; nobody
-    /// else touches what is added to, or the shares of links `from..to`.
+    /// else touches the numbers that are added to, in `rows`.
     unsafe fn run(&self, isa: Isa, call: &LinkCall<'_, P>);
     /// Runs the body over dual numbers.
     ///
@@ -73,21 +102,21 @@ pub fn link<P: Scalar, F: LinkFamily<N>, const N: usize>(law: &F) -> Compiled<P>
 /// Ties a law to its arity, which its type alone does not.
 struct OfArity<F, const N: usize>(F);
 
-/// Numbers that the law gives to each end.
-const fn outputs(signature: &Signature) -> usize {
-    slot_count(signature.ports) - first_output(signature.ports)
-}
+/// Fewer links than these are not worth a desk.
+const FEW: usize = 8;
 
 impl<P: Scalar, F: LinkFamily<N>, const N: usize> LinkKernel<P> for OfArity<F, N> {
     fn arity(&self) -> usize {
         N
     }
-    fn outputs(&self) -> usize {
-        outputs(&F::SIGNATURE)
-    }
     unsafe fn run(&self, isa: Isa, call: &LinkCall<'_, P>) {
         // SAFETY: the caller promises the same.
-        P::with_lanes(isa, unsafe { Task::<P, F, N>::new(&self.0, call) });
+        let task = unsafe { Task::<P, F, N>::new(&self.0, call) };
+        if call.links.len() < FEW {
+            task.one_by_one(0);
+        } else {
+            P::with_lanes(isa, task);
+        }
     }
     unsafe fn tangent(&self, call: &TangentCall<'_, P>) {
         // SAFETY: the caller promises the same.
@@ -101,8 +130,8 @@ impl<P: Scalar, F: LinkFamily<N>, const N: usize> LinkKernel<P> for OfArity<F, N
         let law = self.0.kernel::<P>();
         // SAFETY: the caller promises the same.
         let task = unsafe { Task::<P, F, N>::new(&self.0, call) };
-        let energy = (call.from..call.to).map(|link| {
-            let (row, ends) = task.load::<P>(link);
+        let energy = (0..call.links.len()).map(|place| {
+            let (row, ends) = task.load(call.links.at(place));
             law.energy(row, ends).to_f64()
         });
         Some(energy.sum())
@@ -114,15 +143,15 @@ struct Task<'a, P, F, const N: usize> {
     call: &'a LinkCall<'a, P>,
 }
 
-/// The values of `R::WIDTH` links from `link` on, at the links themselves and at end `end` of each.
-struct Gathered<'a, P, const N: usize> {
+/// The values of a link, at the link itself and at end `end`.
+struct Linked<'a, P, const N: usize> {
     call: &'a LinkCall<'a, P>,
-    ends: u64,
+    at_ends: u64,
     link: usize,
     end: usize,
 }
 
-impl<P: Scalar, R: Lanes<P>, const N: usize> Source<R> for Gathered<'_, P, N> {
+impl<P: Scalar, const N: usize> Source<P> for Linked<'_, P, N> {
     #[inline(always)]
     fn wants(&self, _port: usize) -> bool {
         true
@@ -132,19 +161,17 @@ impl<P: Scalar, R: Lanes<P>, const N: usize> Source<R> for Gathered<'_, P, N> {
         !self.call.slots[slot].start.is_null()
     }
     #[inline(always)]
-    fn component(&self, slot: usize) -> R {
+    fn component(&self, slot: usize) -> P {
         let Strided { start, stride } = self.call.slots[slot];
-        R::from_lanes(|lane| {
-            let link = self.link + lane;
-            let row = if self.ends >> slot & 1 == 1 { self.call.ends[link * N + self.end] as usize } else { link };
-            // SAFETY: `Task::new` was promised that the slot reaches all rows.
-            unsafe { *start.add(row * stride) }
-        })
+        let at_end = self.at_ends >> slot & 1 == 1;
+        let row = if at_end { self.call.ends[self.link * N + self.end] as usize } else { self.link };
+        // SAFETY: `Task::new` was promised that the slot reaches all rows.
+        unsafe { *start.add(row * stride) }
     }
     #[inline(always)]
-    fn constant(&self, slot: usize) -> R {
+    fn constant(&self, slot: usize) -> P {
         // SAFETY: as above; a constant has one number.
-        R::splat(unsafe { *self.call.slots[slot].start })
+        unsafe { *self.call.slots[slot].start }
     }
 }
 
@@ -157,6 +184,13 @@ struct Shares<R, const N: usize> {
 
 /// Numbers that a link law may add to each end.
 const MAX_OUTPUTS: usize = 12;
+
+impl<R: Real, const N: usize> Shares<R, N> {
+    #[inline(always)]
+    fn new(first: usize) -> Self {
+        Shares { values: [[R::lit(0.0); MAX_OUTPUTS]; N], end: 0, first }
+    }
+}
 
 impl<R: Real, const N: usize> Sink<R> for Shares<R, N> {
     #[inline(always)]
@@ -177,78 +211,58 @@ type RowOf<F, R, const N: usize> = <<F as LinkFamily<N>>::Kernel<R> as Declared<
 type EndOf<F, R, const N: usize> = <<F as LinkFamily<N>>::Kernel<R> as Declared<R>>::End;
 
 impl<P: Scalar, F: LinkFamily<N>, const N: usize> Task<'_, P, F, N> {
-    const FIRST: usize = first_output(F::SIGNATURE.ports);
-    const OUTPUTS: usize = outputs(&F::SIGNATURE);
+    /// Numbers that the law touches: those that it reads, and behind them those that it gives.
+    const SLOTS: usize = slot_count(F::SIGNATURE.ports);
+    const INPUTS: usize = first_output(F::SIGNATURE.ports);
+    const OUTPUTS: usize = Self::SLOTS - Self::INPUTS;
+    const AT_ENDS: u64 = slots_at(F::SIGNATURE.ports, Place::End);
 
     /// # Safety
     /// As for [`LinkKernel::run`], as long as it lives. Links that its functions are given are links of the call.
     unsafe fn new<'a>(law: &'a F, call: &'a LinkCall<'a, P>) -> Task<'a, P, F, N> {
+        const { assert!(Self::OUTPUTS <= MAX_OUTPUTS, "too many outputs") };
         Task { law, call }
     }
 
+    /// Whether shares of the row are added.
     #[inline(always)]
-    fn load<R: Lanes<P>>(&self, link: usize) -> (RowOf<F, R, N>, [EndOf<F, R, N>; N]) {
-        let at = |end| {
-            Within::<_, F>::new(Gathered::<P, N> {
-                call: self.call,
-                ends: const { slots_at(F::SIGNATURE.ports, Place::End) },
-                link,
-                end,
-            })
-        };
-        let row = <F::Kernel<R> as Declared<R>>::load(&at(0));
-        let ends = core::array::from_fn(|end| <F::Kernel<R> as Declared<R>>::load_end(&at(end)));
+    fn owns(&self, row: u32) -> bool {
+        let Range { start, end } = self.call.rows;
+        row.wrapping_sub(start) < end.wrapping_sub(start)
+    }
+
+    #[inline(always)]
+    fn load(&self, link: usize) -> (RowOf<F, P, N>, [EndOf<F, P, N>; N]) {
+        let at = |end| Within::<_, F>::new(Linked::<P, N> { call: self.call, at_ends: Self::AT_ENDS, link, end });
+        let row = <F::Kernel<P> as Declared<P>>::load(&at(0));
+        let ends = core::array::from_fn(|end| <F::Kernel<P> as Declared<P>>::load_end(&at(end)));
         (row, ends)
     }
 
+    /// Runs the links of the call from this place on: the reference that blocks are compared with.
     #[inline(always)]
-    fn step<R: Lanes<P>>(&self, law: &F::Kernel<R>, link: usize) {
-        let (row, ends) = self.load::<R>(link);
-        let mut shares = Shares::<R, N> { values: [[R::lit(0.0); MAX_OUTPUTS]; N], end: 0, first: Self::FIRST };
-        for (end, output) in law.link(row, ends).into_iter().enumerate() {
-            shares.end = end;
-            <F::Kernel<R> as Declared<R>>::store_end(output, &mut shares);
-        }
-        for lane in 0..R::WIDTH {
-            for end in 0..N {
-                for output in 0..Self::OUTPUTS {
-                    self.give(link + lane, end, output, shares.values[end][output].lane(lane));
+    fn one_by_one(&self, from: usize) {
+        let law = self.law.kernel::<P>();
+        for link in (from..self.call.links.len()).map(|place| self.call.links.at(place)) {
+            let (row, ends) = self.load(link);
+            let mut shares = Shares::<P, N>::new(Self::INPUTS);
+            for (end, output) in law.link(row, ends).into_iter().enumerate() {
+                shares.end = end;
+                <F::Kernel<P> as Declared<P>>::store_end(output, &mut shares);
+            }
+            for (end, shares) in shares.values.iter().enumerate() {
+                let row = self.call.ends[link * N + end];
+                if !self.owns(row) {
+                    continue;
+                }
+                for (Strided { start, stride }, share) in self.call.slots[Self::INPUTS..Self::SLOTS].iter().zip(shares)
+                {
+                    if !start.is_null() {
+                        // SAFETY: `Task::new` was promised the place, and that it is this call's alone.
+                        unsafe { *start.add(row as usize * stride) += *share };
+                    }
                 }
             }
-        }
-    }
-
-    #[inline(always)]
-    fn give(&self, link: usize, end: usize, output: usize, share: P) {
-        // SAFETY: `Task::new` was promised both places.
-        unsafe {
-            if self.call.shares.is_null() {
-                let Strided { start, stride } = self.call.slots[Self::FIRST + output];
-                *start.add(self.call.ends[link * N + end] as usize * stride) += share;
-            } else {
-                *self.call.shares.add((link * N + end) * Self::OUTPUTS + output) = share;
-            }
-        }
-    }
-}
-
-impl<P: Scalar, F: LinkFamily<N>, const N: usize> WithLanes<P> for Task<'_, P, F, N> {
-    type Output = ();
-    #[inline(always)]
-    fn with<R: Lanes<P>>(self) {
-        const { assert!(outputs(&F::SIGNATURE) <= MAX_OUTPUTS, "too many outputs") };
-        let mut link = self.call.from;
-        if R::WIDTH > 1 && link + R::WIDTH <= self.call.to {
-            let law = self.law.kernel::<R>();
-            while link + R::WIDTH <= self.call.to {
-                self.step::<R>(&law, link);
-                link += R::WIDTH;
-            }
-        }
-        let law = self.law.kernel::<P>();
-        while link < self.call.to {
-            self.step::<P>(&law, link);
-            link += 1;
         }
     }
 }

@@ -19,7 +19,7 @@ pub use pair::pair;
 pub use row::row;
 
 pub(crate) use column::ColumnKernel;
-pub(crate) use link::{LinkCall, LinkKernel, Strided};
+pub(crate) use link::{LinkCall, LinkKernel, Links, Strided};
 pub(crate) use pair::{BLOCK, PAYS, PairCall, PairKernel, Tally, coordinate_slots, rounds};
 pub(crate) use pointers::{MAX_SLOTS, row_of, wants};
 pub(crate) use row::{AHEAD, RowCall, RowKernel};

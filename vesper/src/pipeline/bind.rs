@@ -1,7 +1,9 @@
 //! From named places to pointers: a plan, tied to the layout of one state.
 
+mod link;
 mod pair;
 
+pub(crate) use link::LinkPass;
 pub(crate) use pair::PairPass;
 
 use super::group::{Group, GroupBuilder};
@@ -114,30 +116,6 @@ pub(crate) enum Pass<P: Scalar> {
     },
 }
 
-/// A link law over the rows of its domain.
-pub(crate) struct LinkPass<P: Scalar> {
-    pub(crate) law: usize,
-    pub(crate) links: usize,
-    pub(crate) ends: (*const u32, usize),
-    pub(crate) slots: Vec<(Base<P>, usize)>,
-    pub(crate) resolved: Vec<crate::backend::Strided<P>>,
-    pub(crate) energy: bool,
-    pub(crate) threads: usize,
-    /// Where threads leave shares, and for every row linked to, which shares are its own.
-    pub(crate) gather: Option<Gather<P>>,
-    pub(crate) _defaults: Aligned<P>,
-}
-
-/// For every row linked to, its shares in the order of the links.
-pub(crate) struct Gather<P: Scalar> {
-    pub(crate) shares: Aligned<P>,
-    /// The first of each row's `items`, and after the last row their number.
-    pub(crate) first: Vec<u32>,
-    /// Numbers of (link, end), counted together.
-    pub(crate) items: Vec<u32>,
-    pub(crate) outputs: usize,
-}
-
 /// A port of a column law: base of every component, stride, rows.
 pub(crate) type BoundPort<P> = ([Option<Base<P>>; 4], usize, usize);
 
@@ -155,8 +133,6 @@ pub(crate) struct ColumnPass<P: Scalar> {
 pub(super) const PARALLEL_ROWS: usize = 32_768;
 /// Pairs from which on a pair law is worth the threads.
 const PARALLEL_PAIRS: usize = 1 << 18;
-/// Links from which on a link law is worth the threads.
-const PARALLEL_LINKS: usize = 32_768;
 
 pub(super) fn threads(backend: Backend, work: usize, enough: usize, machine: &Machine) -> usize {
     match backend {
@@ -245,7 +221,7 @@ impl<P: Scalar> Binder<'_, P> {
             Op::Law { seat, energy, .. } => match &self.laws[self.pipeline.registry.seats[seat].law].compiled.kernel {
                 Kernel::Row(_) => Pass::Group(self.group(ops)?),
                 Kernel::Pair(kernel) => Pass::Pair(self.pair(first, kernel)?),
-                Kernel::Link(kernel) => Pass::Link(self.link(first, energy, kernel.arity(), kernel.outputs())?),
+                Kernel::Link(kernel) => Pass::Link(self.link(first, energy, kernel.arity())?),
                 Kernel::Column(_) if energy => return None,
                 Kernel::Column(_) => Pass::Column(self.column(first)?),
             },
@@ -324,44 +300,6 @@ impl<P: Scalar> Binder<'_, P> {
         Transfer { base: located.base, stride: located.stride, index, scratch, save }
     }
 
-    fn link(&self, op: &Placed, energy: bool, arity: usize, outputs: usize) -> Option<LinkPass<P>> {
-        let Op::Law { seat, .. } = op.op else { return None };
-        let seat = &self.pipeline.registry.seats[seat];
-        let link = self.pipeline.entries[seat.law].signature.link?;
-        let domain = &self.state.domains[op.domain];
-        let Storage::Link { rows: ends, .. } = &domain.columns[domain.find(link.name)?].storage else { return None };
-        if domain.rows == 0 {
-            return None;
-        }
-        let defaults = defaults::<P>(&op.operands);
-        let mut slots = Vec::new();
-        for (slot, operand) in op.operands.iter().enumerate() {
-            slots.push(match operand {
-                Operand::Default(_) => (Base::Owned(defaults.pointer().wrapping_add(slot)), 0),
-                Operand::Absent | Operand::Zero | Operand::Field(..) => (Base::Owned(core::ptr::null_mut()), 0),
-                _ => {
-                    let located = self.locate(*operand)?;
-                    (located.base, located.stride)
-                }
-            });
-        }
-        let threads = threads(op.backend, domain.rows, PARALLEL_LINKS, self.machine);
-        let targets = self.state.domains[seat.target?].rows;
-        let gather =
-            (threads > 1 && !energy).then(|| Gather::new(ends, targets, domain.rows * arity * outputs, outputs));
-        Some(LinkPass {
-            law: seat.law,
-            links: domain.rows,
-            ends: (ends.as_ptr(), ends.len()),
-            resolved: Vec::with_capacity(slots.len()),
-            slots,
-            energy,
-            threads,
-            gather,
-            _defaults: defaults,
-        })
-    }
-
     fn column(&self, op: &Placed) -> Option<ColumnPass<P>> {
         let Op::Law { seat, .. } = op.op else { return None };
         let seat = &self.pipeline.registry.seats[seat];
@@ -397,26 +335,6 @@ impl<P: Scalar> Binder<'_, P> {
         });
         let views = Vec::with_capacity(ports.len());
         Some(ColumnPass { law: seat.law, ports, views, link, _defaults: defaults })
-    }
-}
-
-impl<P: Scalar> Gather<P> {
-    fn new(ends: &[u32], targets: usize, shares: usize, outputs: usize) -> Self {
-        let mut first = vec![0_u32; targets + 1];
-        for &end in ends {
-            first[end as usize + 1] += 1;
-        }
-        for row in 0..targets {
-            first[row + 1] += first[row];
-        }
-        let mut next = first.clone();
-        let mut items = vec![0; ends.len()];
-        for (item, &end) in (0_u32..).zip(ends) {
-            let at = &mut next[end as usize];
-            items[*at as usize] = item;
-            *at += 1;
-        }
-        Gather { shares: Aligned::zeros(shares, 0), first, items, outputs }
     }
 }
 

@@ -4,7 +4,7 @@
 use super::bind::{BoundPass, ColumnPass, LinkPass, Located, Pass};
 use super::run::{Context, in_parts};
 use super::switches::Phase;
-use crate::backend::{Kernel, LinkCall, Strided};
+use crate::backend::{Kernel, LinkCall, Links, Strided};
 use crate::law::{ColumnAccess, PortView};
 use crate::real::Scalar;
 use core::ops::Range;
@@ -52,9 +52,6 @@ fn add_scaled<P: Scalar>(parts: &[(Located<P>, *mut P)], step: Option<P>, contex
     }
 }
 
-/// Links, and rows linked to, that a thread takes at a time.
-const LINK_GRAIN: usize = 1024;
-
 // Not in one function with the others, whose calls would then take as long as some laws.
 #[inline(never)]
 fn run_link<P: Scalar>(pass: &mut LinkPass<P>, context: &Context<'_, P>) -> f64 {
@@ -64,35 +61,22 @@ fn run_link<P: Scalar>(pass: &mut LinkPass<P>, context: &Context<'_, P>) -> f64 
         .extend(pass.slots.iter().map(|(base, stride)| Strided { start: base.resolve(context.lent), stride: *stride }));
     // SAFETY: the links of the layout that the program was tied to.
     let ends = unsafe { core::slice::from_raw_parts(pass.ends.0, pass.ends.1) };
-    let shares = pass.gather.as_ref().map_or(core::ptr::null_mut(), |gather| gather.shares.pointer());
-    let call = |links: Range<usize>| LinkCall { slots: &pass.resolved, ends, from: links.start, to: links.end, shares };
+    let (slots, all) = (&pass.resolved[..], Links::First(pass.links));
+    let whole = LinkCall { slots, ends, links: all, rows: 0..u32::MAX };
     if pass.energy {
         // SAFETY: the slots reach all rows, and the ends were checked when the state was made.
-        return unsafe { kernel.energy(&call(0..pass.links)) }.unwrap_or_default();
+        return unsafe { kernel.energy(&whole) }.unwrap_or_default();
     }
     context.timed(pass.law, || {
-        let Some(gather) = &pass.gather else {
+        if pass.portions.is_empty() {
             // SAFETY: as above.
-            unsafe { kernel.run(context.isa, &call(0..pass.links)) };
-            return;
-        };
-        in_parts(context, pass.threads, pass.links, LINK_GRAIN, |links| {
-            // SAFETY: as above; parts write the shares of different links.
-            unsafe { kernel.run(context.isa, &call(links)) };
-        });
-        let outputs = &pass.resolved[pass.resolved.len() - gather.outputs..];
-        in_parts(context, pass.threads, gather.first.len() - 1, LINK_GRAIN, |rows| {
-            for row in rows {
-                let items = gather.first[row] as usize..gather.first[row + 1] as usize;
-                for (output, to) in outputs.iter().enumerate() {
-                    // SAFETY: every row belongs to one part, and every share is written by now.
-                    unsafe {
-                        let to = to.start.add(row * to.stride);
-                        for &item in &gather.items[items.clone()] {
-                            *to += *gather.shares.pointer().add(item as usize * gather.outputs + output);
-                        }
-                    }
-                }
+            return unsafe { kernel.run(context.isa, &whole) };
+        }
+        in_parts(context, pass.portions.len(), pass.portions.len(), 1, |portions| {
+            for portion in &pass.portions[portions] {
+                let call = LinkCall { slots, ends, links: Links::Listed(&portion.links), rows: portion.rows.clone() };
+                // SAFETY: as above; portions have different rows.
+                unsafe { kernel.run(context.isa, &call) };
             }
         });
     });

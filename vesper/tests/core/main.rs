@@ -5,5 +5,6 @@ mod extremes;
 mod faults;
 mod graph;
 mod lanes;
+mod links;
 mod oracle;
 mod state;
