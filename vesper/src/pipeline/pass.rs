@@ -7,7 +7,6 @@ use super::switches::Phase;
 use crate::backend::{Kernel, LinkCall, Links, Strided};
 use crate::law::{ColumnAccess, PortView};
 use crate::real::Scalar;
-use core::ops::Range;
 
 pub(super) fn run_pass<P: Scalar>(pass: &mut BoundPass<P>, context: &Context<'_, P>) -> f64 {
     match &mut pass.pass {
