@@ -10,6 +10,7 @@ use super::Unfit;
 use super::period::Period;
 use super::tree::Around;
 use crate::real::Scalar;
+use core::ops::{Range, RangeInclusive};
 
 /// The images of one row.
 #[derive(Clone, Copy, Debug)]
@@ -37,34 +38,36 @@ impl Entries {
     pub(super) fn find<P: Scalar>(
         &mut self,
         places: [&[P]; 3],
-        around: &Around<P>,
+        around: &Around<f64>,
         beyond: f64,
-        periods: &[Option<Period<P>>; 3],
+        lengths: [f64; 3],
+        most: u64,
     ) -> Result<(), Unfit> {
         self.images.clear();
         self.count = places[0].len();
-        if periods.iter().all(Option::is_none) {
+        if lengths == [0.0; 3] {
             return Ok(());
         }
         self.images.reserve(places[0].len());
-        let mut next = 0_u64;
+        let (mut next, most) = (0_u64, most.min(u32::MAX.into()));
         for row in 0..places[0].len() {
-            // Checked against the most by the builder of lists, after every row here.
-            let first = u32::try_from(next).map_err(|_| Unfit::TooMany)?;
-            let mut images = Images { first, low: [0; 3], count: [1; 3] };
+            let mut images = Images { first: next as u32, low: [0; 3], count: [1; 3] };
             for side in 0..3 {
                 let place = places[side][row].to_f64();
-                let Some(period) = &periods[side] else { continue };
-                if place.is_nan() {
+                let (low, high) = (around.low[side] - beyond, around.high[side] + beyond);
+                // Most are seen from nowhere else; what has no place is not seen at all.
+                if lengths[side] == 0.0 || !(place + lengths[side] <= high || place - lengths[side] >= low) {
                     continue;
                 }
-                let seen = seen(place..=place, around, side, beyond, period).ok_or(Unfit::TooMany)?;
+                let seen = seen(place..=place, low..=high, lengths[side]).ok_or(Unfit::TooMany)?;
                 (images.low[side], images.count[side]) = (*seen.start(), seen.end() - seen.start() + 1);
             }
             next += images.count.iter().map(|count| u64::from(count.unsigned_abs())).product::<u64>();
+            if next > most {
+                return Err(Unfit::TooMany);
+            }
             self.images.push(images);
         }
-        u32::try_from(next).map_err(|_| Unfit::TooMany)?;
         self.count = next as usize;
         Ok(())
     }
@@ -87,42 +90,54 @@ impl Entries {
             if !(0..count[side]).contains(&place) {
                 return None;
             }
-            number = number * count[side] + place;
+            number = number * count[side].unsigned_abs() + place.unsigned_abs();
         }
-        Some(first + number.unsigned_abs())
+        Some(first + number)
     }
 
-    /// Copies a number of each row to all its entries.
-    pub(super) fn spread<P: Copy>(&self, from: &[P], to: &mut [P]) {
+    /// The entries of some rows.
+    pub(super) fn of(&self, rows: Range<usize>) -> Range<usize> {
+        let first = |row: usize| match self.images.get(row) {
+            Some(images) => images.first as usize,
+            None if self.images.is_empty() => row,
+            None => self.count,
+        };
+        first(rows.start)..first(rows.end)
+    }
+
+    /// Copies a number of each of these rows to all its entries.
+    pub(super) fn spread<P: Copy>(&self, rows: Range<usize>, from: &[P], to: &mut [P]) {
         if self.images.is_empty() {
-            return to[..from.len()].copy_from_slice(from);
+            return to.copy_from_slice(from);
         }
-        let ends = self.images.iter().skip(1).map(|images| images.first as usize).chain([self.count]);
-        let mut at = 0;
+        let later = self.images.get(rows.start + 1..).unwrap_or_default();
+        let ends = later.iter().map(|images| images.first as usize).chain([self.count]);
+        let (mut at, start) = (0, self.of(rows).start);
         for (value, end) in from.iter().zip(ends) {
             to[at] = *value;
             at += 1;
-            if at < end {
-                to[at..end].fill(*value);
-                at = end;
+            if at < end - start {
+                to[at..end - start].fill(*value);
+                at = end - start;
             }
         }
     }
 
-    /// Copies coordinates in the box to all entries, each moved to its image.
-    pub(super) fn place<P: Scalar>(&self, from: [&[P]; 3], periods: &[Option<Period<P>>; 3], to: [&mut [P]; 3]) {
-        if self.images.is_empty() {
-            for (from, to) in from.into_iter().zip(to) {
-                to[..from.len()].copy_from_slice(from);
-            }
-            return;
-        }
-        let [to_x, to_y, to_z] = to;
-        for (row, Images { first, low, count }) in self.images.iter().enumerate() {
+    /// Copies coordinates of these rows, in the box, to all their entries, each moved to its image.
+    pub(super) fn place<P: Scalar>(
+        &self,
+        rows: Range<usize>,
+        from: [&[P]; 3],
+        periods: &[Option<Period<P>>; 3],
+        [to_x, to_y, to_z]: [&mut [P]; 3],
+    ) {
+        let mut at = 0;
+        for row in rows {
             let place = from.map(|numbers| numbers[row]);
-            let mut at = *first as usize;
-            if *count == [1; 3] {
+            let Images { low, count, .. } = self.images[row];
+            if count == [1; 3] {
                 (to_x[at], to_y[at], to_z[at]) = (place[0], place[1], place[2]);
+                at += 1;
                 continue;
             }
             let moved = |side: usize, image: i32| match &periods[side] {
@@ -143,29 +158,19 @@ impl Entries {
     }
 }
 
-/// The boxes that may hold what is seen: where rows of `around`, moved by so many lengths, are no further than `beyond` from
-/// `places`. With a little more, so that no rounding here loses a pair; `None` where they are too many.
-pub(super) fn seen_from<P: Scalar>(
-    places: core::ops::RangeInclusive<f64>,
-    around: &Around<P>,
-    side: usize,
-    beyond: f64,
-    period: &Period<P>,
-) -> Option<core::ops::RangeInclusive<i32>> {
-    let seen = seen(places, around, side, beyond, period)?;
+/// The boxes whose rows, if they are in `around`, may be within it of `places`; `None` where they are too many.
+pub(super) fn seen_from(
+    places: RangeInclusive<f64>,
+    around: RangeInclusive<f64>,
+    length: f64,
+) -> Option<RangeInclusive<i32>> {
+    let seen = seen(places, around, length)?;
     Some(-seen.end()..=-seen.start())
 }
 
-/// The boxes that `places` are seen in, from anywhere in `around`.
-fn seen<P: Scalar>(
-    places: core::ops::RangeInclusive<f64>,
-    around: &Around<P>,
-    side: usize,
-    beyond: f64,
-    period: &Period<P>,
-) -> Option<core::ops::RangeInclusive<i32>> {
-    let (low, high, length) = (around.low[side].to_f64(), around.high[side].to_f64(), period.length.to_f64());
-    let least = ((low - beyond - places.end()) / length).ceil().min(0.0);
-    let most = ((high + beyond - places.start()) / length).floor().max(0.0);
+/// The boxes that `places` are in `around` from, and the one that they are in.
+fn seen(places: RangeInclusive<f64>, around: RangeInclusive<f64>, length: f64) -> Option<RangeInclusive<i32>> {
+    let least = ((around.start() - places.end()) / length).ceil().min(0.0);
+    let most = ((around.end() - places.start()) / length).floor().max(0.0);
     (most - least < MOST).then_some(least as i32..=most as i32)
 }

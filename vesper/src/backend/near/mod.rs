@@ -31,6 +31,8 @@
 
 mod follow;
 mod images;
+#[cfg(test)]
+mod melt;
 mod period;
 mod search;
 #[cfg(test)]
@@ -45,7 +47,7 @@ use images::Entries;
 use period::Period;
 use search::{Part, Search, SearchParts, TOGETHER};
 use std::sync::{Mutex, PoisonError};
-use tree::{Around, FAN, Level, Point};
+use tree::{Around, FAN, Point};
 
 /// Calls the work for ranges that are `0..count` together, on as many threads as it likes.
 pub(crate) type InParts<'a> = &'a dyn Fn(usize, &(dyn Fn(Range<usize>) + Sync));
@@ -70,8 +72,9 @@ impl Reach {
     }
 }
 
-/// The skin, in parts of the cut-off. See `how_long_it_takes` among the tests for others.
-const SKIN: f64 = 0.12;
+/// The skin, in parts of the cut-off. In a dense fluid a step takes 1.25 times as long with 0.08 and 1.03 times as long with 0.2;
+/// `how_long_it_takes` among the tests tells.
+const SKIN: f64 = 0.16;
 
 /// Why there are no lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -111,23 +114,26 @@ pub(crate) struct Lists<P> {
     built: [Vec<P>; 3],
     /// Where they are now; empty without periods.
     now: [Vec<P>; 3],
-    /// Rows in the order of clusters.
-    points: Vec<Point<P>>,
-    /// The same, and those without a place behind them.
+    /// Rows in the order of clusters, those without a place behind the others, which are so many.
     members: Vec<u32>,
+    placed: usize,
     entries: Entries,
     parts: Vec<Part>,
-    /// Entries of all lists now, and when rows were put in order.
+    /// Entries of all lists.
     total: u64,
-    ordered: u64,
 }
 
-/// How much longer lists may become than they were when rows were put in order, before that is done again.
-const LONGER: f64 = 1.03;
+/// How far rounding may lengthen lists where distances are measured in f32, in parts of the reach.
+const BLUR: f64 = 1e-3;
 
 impl<P: Scalar> Lists<P> {
-    /// For clusters of so many rows: a multiple of the lanes that a loop takes is best.
-    pub(crate) fn new(reach: Reach, width: usize) -> Result<Self, Unfit> {
+    /// For clusters that fill the widest registers: the best width for narrower ones, too.
+    pub(crate) fn new(reach: Reach) -> Result<Self, Unfit> {
+        Self::with_width(reach, 64 / size_of::<P>())
+    }
+
+    /// For clusters of so many rows.
+    pub(crate) fn with_width(reach: Reach, width: usize) -> Result<Self, Unfit> {
         let Reach { cutoff, skin, lengths, .. } = reach;
         if !(cutoff > 0.0 && skin >= 0.0 && (cutoff + skin).is_finite()) {
             return Err(Unfit::Reach);
@@ -139,12 +145,11 @@ impl<P: Scalar> Lists<P> {
             turns: Default::default(),
             built: Default::default(),
             now: Default::default(),
-            points: Vec::new(),
             members: Vec::new(),
+            placed: 0,
             entries: Entries::default(),
             parts: Vec::new(),
             total: 0,
-            ordered: 0,
         };
         for (period, length) in lists.periods.iter_mut().zip(lengths) {
             if length != 0.0 && length != f64::INFINITY {
@@ -194,7 +199,7 @@ impl<P: Scalar> Lists<P> {
         if made.is_err() {
             self.parts.clear();
             self.built.iter_mut().for_each(Vec::clear);
-            (self.members, self.points, self.total, self.ordered) = (Vec::new(), Vec::new(), 0, 0);
+            (self.members, self.placed, self.total) = (Vec::new(), 0, 0);
         }
         made
     }
@@ -202,18 +207,33 @@ impl<P: Scalar> Lists<P> {
     fn make(&mut self, isa: Isa, places: [&[P]; 3], in_parts: InParts<'_>) -> Result<(), Unfit> {
         let rows = u32::try_from(places[0].len()).map_err(|_| Unfit::TooMany)?;
         self.bring_in(isa, places);
-        self.order(rows);
-        let levels = tree::levels(&self.points, self.width);
-        let around = levels[levels.len() - 1].around_all();
-        // A thousandth more than rows are listed for, and what rounding of coordinates could do.
-        let longest = self.periods.iter().flatten().fold(0.0, |most, period| f64::max(most, period.length.to_f64()));
-        let beyond = self.listed() * (1.0 + 1e-3) + 16.0 * f64::EPSILON * longest;
-        self.entries.find(self.built.each_ref().map(Vec::as_slice), &around, beyond, &self.periods)?;
-        self.search(isa, in_parts, &levels, &around, beyond)?;
-        if self.ordered == 0 {
-            self.ordered = self.total;
+        let has_place = |row: &u32| self.built[0][*row as usize].is_finite();
+        self.members.clear();
+        self.members.extend((0..rows).filter(has_place));
+        self.placed = self.members.len();
+        self.members.extend((0..rows).filter(|row| !has_place(row)));
+        let mut around = Around::<f64>::nothing();
+        for row in &self.members[..self.placed] {
+            around.take(self.built.each_ref().map(|numbers| numbers[*row as usize].to_f64()));
         }
-        Ok(())
+        // A thousandth more than rows are listed for, and what rounding of coordinates could do.
+        let lengths = self.periods.map(|period| period.map_or(0.0, |period| period.length.to_f64()));
+        let longest = lengths.into_iter().fold(0.0, f64::max);
+        let beyond = self.listed() * (1.0 + 2.0 * BLUR) + 16.0 * f64::EPSILON * longest;
+        self.entries.find(self.built.each_ref().map(Vec::as_slice), &around, beyond, lengths, self.reach.most)?;
+        // Lists need not know distances to the last digit: f32 has twice the lanes, if it can tell the places apart.
+        let centre: [f64; 3] = core::array::from_fn(|side| 0.5 * (around.low[side] + around.high[side]));
+        let largest =
+            (0..3).fold(0.0, |most, side| f64::max(most, around.high[side] - centre[side])) + longest + beyond;
+        let blur = 16.0 * f64::from(f32::EPSILON) * largest;
+        if P::EPSILON < f32::EPSILON.into() && blur < BLUR * self.reach.cutoff {
+            let centre = centre.map(P::from_f64);
+            self.search::<f32>(isa, in_parts, (lengths, beyond, self.listed() + blur), |side, place| {
+                (place - centre[side]).to_f64() as f32
+            })
+        } else {
+            self.search::<P>(isa, in_parts, (lengths, beyond, self.listed()), |_, place| place)
+        }
     }
 
     /// Fills `turns`, `now` and `built`.
@@ -249,66 +269,47 @@ impl<P: Scalar> Lists<P> {
         }
     }
 
-    /// Puts rows in the order of clusters; the old order, where it is still a good one.
-    fn order(&mut self, rows: u32) {
-        let at = |row: u32| core::array::from_fn(|side| self.built[side][row as usize]);
-        let has_place = |row: &u32| self.built[0][*row as usize].is_finite();
-        let count = (0..rows).filter(has_place).count();
-        let same = self.ordered > 0
-            && self.total as f64 <= LONGER * self.ordered as f64
-            && self.members.len() == rows as usize
-            && self.points.len() == count
-            && self.points.iter().all(|point| has_place(&point.row));
-        if same {
-            self.points.iter_mut().for_each(|point| point.at = at(point.row));
-        } else {
-            self.ordered = 0;
-            self.points.clear();
-            self.points.extend((0..rows).filter(has_place).map(|row| Point { at: at(row), row }));
-            tree::arrange(&mut self.points, self.width);
-            self.members.clear();
-            self.members.extend(self.points.iter().map(|point| point.row));
-            self.members.extend((0..rows).filter(|row| !has_place(row)));
-        }
-    }
-
-    fn search(
+    /// Puts rows in the order of clusters and finds their lists, by places in precision `S`, for what is within `listed`.
+    fn search<S: Scalar>(
         &mut self,
         isa: Isa,
         in_parts: InParts<'_>,
-        levels: &[Level<P>],
-        around: &Around<P>,
-        beyond: f64,
+        (lengths, beyond, listed): ([f64; 3], f64, f64),
+        place: impl Fn(usize, P) -> S,
     ) -> Result<(), Unfit> {
-        let room = self.points.len() + FAN;
-        let mut places = [const { Vec::new() }; 3].map(|_: Vec<P>| Vec::with_capacity(room));
-        for (side, places) in places.iter_mut().enumerate() {
-            places.extend(self.points.iter().map(|point| point.at[side]));
-            places.resize(room, P::default());
-        }
-        let rows = &self.members[..self.points.len()];
+        let rows = &mut self.members[..self.placed];
+        let at = |row: u32| core::array::from_fn(|side| place(side, self.built[side][row as usize]));
+        let mut points: Vec<Point<S>> = rows.iter().map(|row| Point { at: at(*row), row: *row }).collect();
+        tree::arrange(&mut points, self.width);
+        rows.iter_mut().zip(&points).for_each(|(row, point)| *row = point.row);
+        let levels = tree::levels(&points, self.width);
+        let places: [Vec<S>; 3] = core::array::from_fn(|side| {
+            let mut places = Vec::with_capacity(points.len() + FAN);
+            places.extend(points.iter().map(|point| point.at[side]));
+            places.resize(points.len() + FAN, S::default());
+            places
+        });
         let own: Vec<u32> = rows.iter().map(|row| self.entries.own(*row)).collect();
         let mut parts = core::mem::take(&mut self.parts);
         parts.resize_with(levels[0].count.div_ceil(TOGETHER), Part::default);
         let parts: Vec<_> = parts.into_iter().map(Mutex::new).collect();
         let total = AtomicU64::new(0);
-        let listed = self.listed();
         let search = Search {
             places: places.each_ref().map(Vec::as_slice),
             rows,
             own: &own,
             width: self.width,
-            levels,
-            around,
+            levels: &levels,
             entries: &self.entries,
-            periods: &self.periods,
+            lengths,
             beyond,
-            square: P::from_f64(listed * listed),
+            square: S::from_f64(listed * listed),
             parts: &parts,
             total: &total,
             most: self.reach.most,
         };
-        in_parts(parts.len(), &|parts| P::with_lanes(isa, SearchParts { search: &search, parts }));
+        let isa = isa.for_few::<S>(self.width);
+        in_parts(parts.len(), &|parts| S::with_lanes(isa, SearchParts { search: &search, parts }));
         self.parts = parts.into_iter().map(|part| part.into_inner().unwrap_or_else(PoisonError::into_inner)).collect();
         self.total = total.into_inner();
         if self.total > self.reach.most { Err(Unfit::TooMany) } else { Ok(()) }
@@ -316,14 +317,14 @@ impl<P: Scalar> Lists<P> {
 
     /// How many clusters there are.
     pub(crate) fn clusters(&self) -> usize {
-        let placed = self.points.len().div_ceil(self.width);
-        placed + (self.members.len() - self.points.len()).div_ceil(self.width)
+        let placed = self.placed.div_ceil(self.width);
+        placed + (self.members.len() - self.placed).div_ceil(self.width)
     }
 
     /// One of them. Every row is in one cluster.
     #[inline]
     pub(crate) fn cluster(&self, number: usize) -> Cluster<'_> {
-        let placed = self.points.len();
+        let placed = self.placed;
         let first = number * self.width;
         if first >= placed {
             let first = placed + (number - placed.div_ceil(self.width)) * self.width;
@@ -352,18 +353,41 @@ impl<P: Scalar> Lists<P> {
         self.periods.iter().all(Option::is_none)
     }
 
-    /// Where each entry is now, as [`Lists::follow`] or [`Lists::build`] saw the rows last. Only with periods.
-    pub(crate) fn place(&self, to: [&mut [P]; 3]) {
-        self.entries.place(self.now.each_ref().map(Vec::as_slice), &self.periods, to);
+    /// The entries of some rows.
+    pub(crate) fn entries_of(&self, rows: Range<usize>) -> Range<usize> {
+        self.entries.of(rows)
     }
 
-    /// Copies a number of each row to all its entries.
-    pub(crate) fn spread(&self, from: &[P], to: &mut [P]) {
-        self.entries.spread(from, to);
+    /// Where each entry of some rows is now, as [`Lists::follow`] or [`Lists::build`] saw the rows last: a number for each of
+    /// [`Lists::entries_of`] them. Only with periods.
+    pub(crate) fn place(&self, rows: Range<usize>, to: [&mut [P]; 3]) {
+        self.entries.place(rows, self.now.each_ref().map(Vec::as_slice), &self.periods, to);
+    }
+
+    /// Copies a number of each of some rows to all its entries.
+    pub(crate) fn spread(&self, rows: Range<usize>, from: &[P], to: &mut [P]) {
+        self.entries.spread(rows, from, to);
     }
 
     /// How long a list is, on average.
     pub(crate) fn average(&self) -> f64 {
-        self.total as f64 / self.points.len().div_ceil(self.width).max(1) as f64
+        self.total as f64 / self.placed.div_ceil(self.width).max(1) as f64
+    }
+
+    /// Whether lists are less work than all pairs, where they hold for so many evaluations. Without periods only: nothing else
+    /// finds images.
+    pub(crate) fn pays(&self, evaluations: f64) -> bool {
+        pays(self.members.len(), self.average(), evaluations)
     }
 }
+
+/// Whether lists of so many entries, each held for so many evaluations, are less work than all pairs of so many rows.
+pub(crate) fn pays(rows: usize, average: f64, evaluations: f64) -> bool {
+    // In entries that a loop reads: those of the list, what it costs to make it, and to begin with it.
+    average * (1.0 + MAKING / evaluations.max(1.0)) + BEGINNING < rows as f64
+}
+
+/// How many times what a loop does with a list it costs to make it, and entries that the loop could read while it begins one.
+/// Measured with a body of twenty operations and a division, see `how_long_it_takes`; heavier bodies make lists pay earlier.
+const MAKING: f64 = 4.5;
+const BEGINNING: f64 = 16.0;

@@ -56,10 +56,13 @@ fn bits<P: Scalar>(sums: &[[P; 4]]) -> Vec<[u64; 4]> {
 fn by_lists<P: Scalar>(lists: &Lists<P>, places: &Places<P>, cutoff: f64) -> Vec<[P; 4]> {
     let mut spread: Places<P> = [const { Vec::new() }; 3].map(|_: Vec<P>| vec![P::default(); lists.entries()]);
     if lists.is_plain() {
-        (0..3).for_each(|side| lists.spread(&places[side], &mut spread[side]));
+        (0..3).for_each(|side| lists.spread(0..places[side].len(), &places[side], &mut spread[side]));
     } else {
-        let [x, y, z] = &mut spread;
-        lists.place([x, y, z]);
+        // In two parts, as two threads would.
+        let rows = places[0].len();
+        let [x, y, z] = spread.each_mut().map(|numbers| numbers.split_at_mut(lists.entries_of(0..rows / 2).len()));
+        lists.place(0..rows / 2, [x.0, y.0, z.0]);
+        lists.place(rows / 2..rows, [x.1, y.1, z.1]);
     }
     let mut sums = vec![None; places[0].len()];
     for number in 0..lists.clusters() {
@@ -138,7 +141,7 @@ fn without_periods<P: Scalar>(all: &[usize]) {
         for (name, places) in crowds::<P>(rows) {
             for (number, isa) in Isa::available().into_iter().enumerate() {
                 let reach = Reach { skin: [0.0, 0.3, 0.05, 2.0][number % 4], ..Reach::new(1.0, [0.0; 3]) };
-                let mut lists = Lists::<P>::new(reach, [8, 1, 16, 5][number % 4]).unwrap();
+                let mut lists = Lists::<P>::with_width(reach, [8, 1, 16, 5][number % 4]).unwrap();
                 assert!(rows == 0 || !lists.follow(isa, slices(&places)));
                 lists.build(isa, slices(&places), SERIAL).unwrap();
                 assert!(lists.follow(isa, slices(&places)));
@@ -164,7 +167,7 @@ fn wander<P: Scalar>(reach: Reach, rows: usize, images: i32, width: usize, far: 
     let mut places: Places<P> =
         places(rows, |_| size.map(|size| size * (random.next() + (far * (random.next() - 0.5)).round())));
     let isas = Isa::available();
-    let mut lists = Lists::<P>::new(reach, width).unwrap();
+    let mut lists = Lists::<P>::with_width(reach, width).unwrap();
     let mut made = 0;
     let steps = 24;
     for step in 0..steps {
@@ -174,7 +177,7 @@ fn wander<P: Scalar>(reach: Reach, rows: usize, images: i32, width: usize, far: 
             made += 1;
         }
         let found = bits(&by_lists(&lists, &places, reach.cutoff));
-        let mut fresh = Lists::<P>::new(Reach { skin: reach.skin, ..reach }, 2 * width).unwrap();
+        let mut fresh = Lists::<P>::with_width(Reach { skin: reach.skin, ..reach }, 2 * width).unwrap();
         fresh.build(isa, slices(&places), SERIAL).unwrap();
         assert!(found == bits(&by_lists(&fresh, &places, reach.cutoff)), "{reach:?}, step {step}: fresh lists");
         if step % 6 == 5 || step == 1 {
@@ -216,7 +219,7 @@ fn a_row_sees_all_images_in_a_small_box_and_its_own_too() {
     // One row alone in a box of length 1 sees itself at distance 1 six times, at the square root of 2 twelve times.
     let reach = Reach::new(1.5, [1.0; 3]);
     let place = places::<f64>(1, |_| [123.4, -0.5, 0.5]);
-    let mut lists = Lists::new(reach, 8).unwrap();
+    let mut lists = Lists::new(reach).unwrap();
     lists.build(Isa::detect(), slices(&place), SERIAL).unwrap();
     let sum = by_lists(&lists, &place, 1.5)[0];
     assert!((sum[3] - (6.0 / 2.5 + 12.0 / 3.5)).abs() < 1e-12 && sum[0].abs() < 1e-12, "{sum:?}");
@@ -227,7 +230,7 @@ fn lists_have_all_within_reach_and_nobody_else() {
     let mut random = Random(5);
     let places = places::<f64>(700, |_| core::array::from_fn(|_| 9.0 * random.next()));
     let reach = Reach { skin: 0.5, ..Reach::new(1.5, [0.0; 3]) };
-    let mut lists = Lists::new(reach, 8).unwrap();
+    let mut lists = Lists::new(reach).unwrap();
     lists.build(Isa::detect(), slices(&places), SERIAL).unwrap();
     let square = |i: u32, j: u32| -> f64 {
         places.iter().map(|numbers| (numbers[i as usize] - numbers[j as usize]).powi(2)).sum()
@@ -264,7 +267,7 @@ fn lists_do_not_depend_on_threads_or_lanes() {
     let mut expected = None;
     for isa in Isa::available() {
         for in_parts in [SERIAL, &on_threads] {
-            let mut lists = Lists::new(reach, 16).unwrap();
+            let mut lists = Lists::with_width(reach, 16).unwrap();
             lists.build(isa, slices(&places), in_parts).unwrap();
             let found = contents(&lists);
             assert!(expected.get_or_insert_with(|| found.clone()) == &found, "{isa:?}");
@@ -276,7 +279,7 @@ fn nowhere<P: Scalar>(lengths: [f64; 3]) {
     let mut random = Random(7);
     let mut crowd = places::<P>(40, |_| core::array::from_fn(|_| 3.0 * random.next()));
     let reach = Reach::new(1.0, lengths);
-    let mut lists = Lists::new(reach, 8).unwrap();
+    let mut lists = Lists::with_width(reach, 8).unwrap();
     for isa in Isa::available() {
         for (row, number) in [(3, f64::NAN), (17, f64::INFINITY), (39, f64::NEG_INFINITY), (0, 1e300)] {
             let far = number.abs() < f64::INFINITY;
@@ -322,7 +325,7 @@ fn rows_without_a_place_are_on_nobodys_list() {
 
 #[test]
 fn what_cannot_be_listed_is_refused() {
-    let refused = |reach| Lists::<f64>::new(reach, 8).err();
+    let refused = |reach| Lists::<f64>::new(reach).err();
     for cutoff in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert_eq!(refused(Reach::new(cutoff, [0.0; 3])), Some(Unfit::Reach));
     }
@@ -334,12 +337,12 @@ fn what_cannot_be_listed_is_refused() {
     // More images than can be numbered.
     let places = places::<f64>(100, |row| [row as f64, 0.0, 0.0]);
     for lengths in [[1e-9, 0.0, 0.0], [1e-3; 3], [1e-2, 1e-3, 1e-3]] {
-        let mut lists = Lists::<f64>::new(Reach::new(1.0, lengths), 8).unwrap();
+        let mut lists = Lists::<f64>::new(Reach::new(1.0, lengths)).unwrap();
         let refused = lists.build(Isa::detect(), slices(&places), SERIAL);
         assert_eq!((refused, lists.clusters()), (Err(Unfit::TooMany), 0), "{lengths:?}");
     }
     // More neighbours than are allowed; the lists can be made afterwards, where rows are somewhere else.
-    let mut lists = Lists::<f64>::new(Reach { most: 5000, ..Reach::new(1.0, [0.0; 3]) }, 8).unwrap();
+    let mut lists = Lists::<f64>::new(Reach { most: 5000, ..Reach::new(1.0, [0.0; 3]) }).unwrap();
     let crowd = self::places::<f64>(1000, |_| [1.0; 3]);
     for in_parts in [SERIAL, &on_threads] {
         assert_eq!(lists.build(Isa::detect(), slices(&crowd), in_parts), Err(Unfit::TooMany));
@@ -351,7 +354,7 @@ fn what_cannot_be_listed_is_refused() {
 
 #[test]
 fn rows_that_come_and_go_are_seen() {
-    let mut lists = Lists::<f64>::new(Reach::new(1.0, [4.0, 0.0, 4.0]), 8).unwrap();
+    let mut lists = Lists::<f64>::new(Reach::new(1.0, [4.0, 0.0, 4.0])).unwrap();
     for rows in [30, 31, 1, 0, 64, 63] {
         let places = places::<f64>(rows, |row| [0.37 * row as f64, (row % 3) as f64, 0.91 * row as f64]);
         assert!(!lists.follow(Isa::detect(), slices(&places)), "{rows}");
@@ -359,4 +362,27 @@ fn rows_that_come_and_go_are_seen() {
         assert!(lists.follow(Isa::detect(), slices(&places)));
         assert!(bits(&by_lists(&lists, &places, 1.0)) == bits(&by_all_pairs(&places, lists.reach, 1)));
     }
+}
+
+#[test]
+fn numbers_of_rows_are_copied_to_all_their_entries() {
+    let places = places::<f64>(50, |row| [0.1 * row as f64, 0.2 * row as f64, 0.0]);
+    let mut lists = Lists::<f64>::new(Reach::new(1.0, [3.0, 2.5, 0.0])).unwrap();
+    lists.build(Isa::detect(), slices(&places), SERIAL).unwrap();
+    assert!(lists.entries() > 50 && lists.entries_of(0..50) == (0..lists.entries()));
+    let numbers: Vec<f64> = (0..50).map(f64::from).collect();
+    let mut copied = vec![-1.0; lists.entries()];
+    for rows in [0..20, 20..20, 20..50, 50..50] {
+        lists.spread(rows.clone(), &numbers[rows.clone()], &mut copied[lists.entries_of(rows)]);
+    }
+    for row in 0..50 {
+        assert!(copied[lists.entries_of(row..row + 1)].iter().all(|number| *number == row as f64), "{row}");
+    }
+    assert!(copied.is_sorted());
+}
+
+#[test]
+fn lists_pay_where_most_rows_are_out_of_reach() {
+    assert!(super::pays(32_000, 180.0, 10.0) && super::pays(1100, 180.0, 1.0));
+    assert!(!super::pays(180, 180.0, 1e9) && !super::pays(500, 180.0, 1.0) && !super::pays(0, 0.0, 1.0));
 }

@@ -63,7 +63,7 @@ pub(super) struct Around<P> {
 }
 
 impl<P: Scalar> Around<P> {
-    fn nothing() -> Self {
+    pub(super) fn nothing() -> Self {
         Around { low: [P::from_f64(f64::INFINITY); 3], high: [P::from_f64(f64::NEG_INFINITY); 3] }
     }
 
@@ -74,7 +74,7 @@ impl<P: Scalar> Around<P> {
     }
 
     #[inline(always)]
-    fn take(&mut self, at: [P; 3]) {
+    pub(super) fn take(&mut self, at: [P; 3]) {
         for side in 0..3 {
             self.low[side] = at[side].min(self.low[side]);
             self.high[side] = at[side].max(self.high[side]);
