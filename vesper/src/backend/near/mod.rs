@@ -123,7 +123,7 @@ pub(crate) struct Lists<P> {
     total: u64,
 }
 
-/// How far rounding may lengthen lists where distances are measured in f32, in parts of the reach.
+/// How far rounding may be off where distances are measured in f32, in parts of the reach.
 const BLUR: f64 = 1e-3;
 
 impl<P: Scalar> Lists<P> {
@@ -221,18 +221,21 @@ impl<P: Scalar> Lists<P> {
         let longest = lengths.into_iter().fold(0.0, f64::max);
         let beyond = self.listed() * (1.0 + 2.0 * BLUR) + 16.0 * f64::EPSILON * longest;
         self.entries.find(self.built.each_ref().map(Vec::as_slice), &around, beyond, lengths, self.reach.most)?;
-        // Lists need not know distances to the last digit: f32 has twice the lanes, if it can tell the places apart.
+        // Lists need not know distances to the last digit: f32 has twice the lanes, if it can tell the places apart. In
+        // parts of the reach, so that no square is too large or too small for it.
+        let listed = self.listed();
+        let scale = 1.0 / listed;
         let centre: [f64; 3] = core::array::from_fn(|side| 0.5 * (around.low[side] + around.high[side]));
-        let largest =
-            (0..3).fold(0.0, |most, side| f64::max(most, around.high[side] - centre[side])) + longest + beyond;
-        let blur = 16.0 * f64::from(f32::EPSILON) * largest;
-        if P::EPSILON < f32::EPSILON.into() && blur < BLUR * self.reach.cutoff {
+        let extent = (0..3).fold(0.0, |most, side| f64::max(most, around.high[side] - centre[side]));
+        let blur = 16.0 * f64::from(f32::EPSILON) * scale * (extent + longest + beyond);
+        if P::EPSILON < f32::EPSILON.into() && scale.is_normal() && blur < BLUR {
             let centre = centre.map(P::from_f64);
-            self.search::<f32>(isa, in_parts, (lengths, beyond, self.listed() + blur), |side, place| {
-                (place - centre[side]).to_f64() as f32
+            let lengths = lengths.map(|length| length * scale);
+            self.search::<f32>(isa, in_parts, (lengths, beyond * scale, 1.0 + blur), |side, place| {
+                ((place - centre[side]).to_f64() * scale) as f32
             })
         } else {
-            self.search::<P>(isa, in_parts, (lengths, beyond, self.listed()), |_, place| place)
+            self.search::<P>(isa, in_parts, (lengths, beyond, listed), |_, place| place)
         }
     }
 

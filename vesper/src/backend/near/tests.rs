@@ -386,3 +386,17 @@ fn lists_pay_where_most_rows_are_out_of_reach() {
     assert!(super::pays(32_000, 180.0, 10.0) && super::pays(1100, 180.0, 1.0));
     assert!(!super::pays(180, 180.0, 1e9) && !super::pays(500, 180.0, 1.0) && !super::pays(0, 0.0, 1.0));
 }
+
+#[test]
+fn the_unit_of_length_does_not_matter() {
+    for unit in [1e-150, 1e-30, 1e30, 1e150] {
+        let mut random = Random(8);
+        let places = places::<f64>(300, |_| core::array::from_fn(|_| 5.0 * unit * random.next()));
+        for lengths in [[0.0; 3], [5.0 * unit; 3]] {
+            let mut lists = Lists::<f64>::new(Reach::new(unit, lengths)).unwrap();
+            lists.build(Isa::detect(), slices(&places), SERIAL).unwrap();
+            let (found, expected) = (by_lists(&lists, &places, unit), by_all_pairs(&places, lists.reach, 1));
+            assert!(bits(&found) == bits(&expected) && lists.average() < 100.0, "{unit:e}: {}", lists.average());
+        }
+    }
+}
