@@ -13,8 +13,8 @@ pub(super) struct Follow<'a, P> {
     pub(super) turns: [&'a [P]; 3],
     /// Where the rows were, or nothing to compare with.
     pub(super) built: [&'a [P]; 3],
-    /// The square of how far a row may move.
-    pub(super) square: P,
+    /// One over how far a row may move. A product, so that no unit of length makes its square too small to compare.
+    pub(super) scale: P,
     /// Takes where the rows are in the box; nothing to take without periods.
     pub(super) now: [&'a mut [P]; 3],
 }
@@ -67,11 +67,11 @@ impl<P: Scalar> Follow<'_, P> {
             if !self.built[side].is_empty() {
                 let built = &self.built[side][row..][..R::WIDTH];
                 // SAFETY: as above.
-                let moved = place - unsafe { R::load(built.as_ptr()) };
+                let moved = (place - unsafe { R::load(built.as_ptr()) }) * R::splat(self.scale);
                 square += moved * moved;
             }
         }
         // False for what is no number.
-        square.less_or_equal(R::splat(self.square))
+        square.less_or_equal(R::lit(1.0))
     }
 }

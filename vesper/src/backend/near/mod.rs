@@ -29,6 +29,8 @@
 
 #![allow(clippy::needless_range_loop, reason = "directions, of several arrays at a time")]
 
+#[cfg(test)]
+mod edges;
 mod follow;
 mod images;
 #[cfg(test)]
@@ -178,7 +180,9 @@ impl<P: Scalar> Lists<P> {
         if self.members.len() != rows || self.built[0].len() != rows {
             return false;
         }
-        let limit = self.reach.skin / 2.0 * (1.0 - 32.0 * P::EPSILON);
+        // Without a skin, the largest number that there is.
+        let scale = 2.0 / self.reach.skin * (1.0 + 32.0 * P::EPSILON);
+        let scale = [scale, 1e308, 1e38].map(P::from_f64).into_iter().find(|scale| scale.is_finite());
         let [x, y, z] = &mut self.now;
         P::with_lanes(
             isa,
@@ -187,7 +191,7 @@ impl<P: Scalar> Lists<P> {
                 periods: &self.periods,
                 turns: self.turns.each_ref().map(Vec::as_slice),
                 built: self.built.each_ref().map(Vec::as_slice),
-                square: P::from_f64(limit * limit),
+                scale: scale.unwrap_or_default(),
                 now: [x, y, z],
             },
         )
@@ -257,9 +261,9 @@ impl<P: Scalar> Lists<P> {
         if periodic {
             let [x, y, z] = &mut self.now;
             let turns = self.turns.each_ref().map(Vec::as_slice);
-            let square = P::default();
+            let scale = P::default();
             let now: [&mut [P]; 3] = [x, y, z];
-            P::with_lanes(isa, Follow { places, periods: &self.periods, turns, built: [&[]; 3], square, now });
+            P::with_lanes(isa, Follow { places, periods: &self.periods, turns, built: [&[]; 3], scale, now });
         }
         for side in 0..3 {
             let from = if periodic { &self.now[side][..] } else { places[side] };

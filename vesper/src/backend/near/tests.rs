@@ -1,30 +1,30 @@
 //! Lists against all pairs, bit by bit: whatever the age of the lists, the lanes, the clusters, the threads and the box.
 
 use super::period::Period;
-use super::{InParts, Lists, Reach, Unfit};
+use super::{InParts, Lists, Reach};
 use crate::real::{DoubleDouble, Isa, Scalar};
 use std::ops::Range;
 
 /// One after the other.
-const SERIAL: InParts<'static> = &|count, work| work(0..count);
+pub(super) const SERIAL: InParts<'static> = &|count, work| work(0..count);
 
 /// Numbers from 0 to 1, the same in every run.
-struct Random(u64);
+pub(super) struct Random(pub(super) u64);
 
 impl Random {
-    fn next(&mut self) -> f64 {
+    pub(super) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 
-type Places<P> = [Vec<P>; 3];
+pub(super) type Places<P> = [Vec<P>; 3];
 
-fn slices<P>(places: &Places<P>) -> [&[P]; 3] {
+pub(super) fn slices<P>(places: &Places<P>) -> [&[P]; 3] {
     places.each_ref().map(Vec::as_slice)
 }
 
-fn places<P: Scalar>(rows: usize, mut place: impl FnMut(usize) -> [f64; 3]) -> Places<P> {
+pub(super) fn places<P: Scalar>(rows: usize, mut place: impl FnMut(usize) -> [f64; 3]) -> Places<P> {
     let mut places: Places<P> = Default::default();
     for row in 0..rows {
         for (numbers, number) in places.iter_mut().zip(place(row)) {
@@ -48,12 +48,12 @@ fn share<P: Scalar>([x, y, z]: [P; 3], cutoff: P, sum: &mut [P; 4]) {
     }
 }
 
-fn bits<P: Scalar>(sums: &[[P; 4]]) -> Vec<[u64; 4]> {
+pub(super) fn bits<P: Scalar>(sums: &[[P; 4]]) -> Vec<[u64; 4]> {
     sums.iter().map(|sums| sums.map(Scalar::bits)).collect()
 }
 
 /// The sums of all rows by lists.
-fn by_lists<P: Scalar>(lists: &Lists<P>, places: &Places<P>, cutoff: f64) -> Vec<[P; 4]> {
+pub(super) fn by_lists<P: Scalar>(lists: &Lists<P>, places: &Places<P>, cutoff: f64) -> Vec<[P; 4]> {
     let mut spread: Places<P> = [const { Vec::new() }; 3].map(|_: Vec<P>| vec![P::default(); lists.entries()]);
     if lists.is_plain() {
         (0..3).for_each(|side| lists.spread(0..places[side].len(), &places[side], &mut spread[side]));
@@ -87,7 +87,7 @@ fn by_lists<P: Scalar>(lists: &Lists<P>, places: &Places<P>, cutoff: f64) -> Vec
 }
 
 /// The sums of all rows by all pairs of all images, ascending, each row brought into the box anew.
-fn by_all_pairs<P: Scalar>(places: &Places<P>, reach: Reach, images: i32) -> Vec<[P; 4]> {
+pub(super) fn by_all_pairs<P: Scalar>(places: &Places<P>, reach: Reach, images: i32) -> Vec<[P; 4]> {
     let beyond = 1.01 * (reach.cutoff + 2.0 * reach.skin);
     let periods = reach.lengths.map(|length| (length != 0.0).then(|| Period::<P>::new(length, beyond).unwrap()));
     let place = |row: usize| -> [P; 3] {
@@ -251,7 +251,7 @@ fn contents<P: Scalar>(lists: &Lists<P>) -> Vec<[Vec<u32>; 3]> {
 }
 
 /// One thread for each part.
-fn on_threads(count: usize, work: &(dyn Fn(Range<usize>) + Sync)) {
+pub(super) fn on_threads(count: usize, work: &(dyn Fn(Range<usize>) + Sync)) {
     std::thread::scope(|scope| {
         for part in 0..count {
             scope.spawn(move || work(part..part + 1));
@@ -275,128 +275,39 @@ fn lists_do_not_depend_on_threads_or_lanes() {
     }
 }
 
-fn nowhere<P: Scalar>(lengths: [f64; 3]) {
-    let mut random = Random(7);
-    let mut crowd = places::<P>(40, |_| core::array::from_fn(|_| 3.0 * random.next()));
-    let reach = Reach::new(1.0, lengths);
-    let mut lists = Lists::with_width(reach, 8).unwrap();
-    for isa in Isa::available() {
-        for (row, number) in [(3, f64::NAN), (17, f64::INFINITY), (39, f64::NEG_INFINITY), (0, 1e300)] {
-            let far = number.abs() < f64::INFINITY;
-            if far && P::from_f64(number).is_finite() && lengths == [0.0; 3] {
-                continue;
-            }
-            let before = core::mem::replace(&mut crowd[row % 3][row], P::from_f64(number));
-            lists.build(isa, slices(&crowd), SERIAL).unwrap();
-            assert!(!lists.follow(isa, slices(&crowd)), "lists with a row that has no place never hold");
-            let sums = by_lists(&lists, &crowd, 1.0);
-            assert_eq!(sums[row].map(Scalar::to_f64), [0.0; 4], "nobody is near {number}");
-            // The others see each other.
-            let rest: Places<P> = crowd.each_ref().map(|numbers| {
-                let others = numbers.iter().enumerate().filter(|(other, _)| *other != row);
-                others.map(|(_, number)| *number).collect()
-            });
-            let mut others = by_all_pairs(&rest, reach, 1);
-            others.insert(row, [P::default(); 4]);
-            assert!(bits(&sums) == bits(&others), "{number} in {lengths:?}");
-            crowd[row % 3][row] = before;
-        }
-        lists.build(isa, slices(&crowd), SERIAL).unwrap();
-        assert!(lists.follow(isa, slices(&crowd)));
-        crowd[2][5] = P::from_f64(f64::NAN);
-        assert!(!lists.follow(isa, slices(&crowd)));
-        crowd[2][5] = P::from_f64(0.5);
-    }
-    for numbers in &mut crowd {
-        numbers.fill(P::from_f64(f64::NAN));
-    }
-    lists.build(Isa::detect(), slices(&crowd), SERIAL).unwrap();
-    assert_eq!((lists.clusters(), lists.average()), (5, 0.0));
-    assert!(by_lists(&lists, &crowd, 1.0).iter().flatten().all(|sum| *sum == P::default()));
+/// Pairs all over the place, each just within the cut-off and the skin, that then close in as far as lists allow.
+fn close_in<P: Scalar>(lengths: [f64; 3], within: f64) {
+    let mut random = Random(10);
+    let reach = Reach { skin: 0.5, ..Reach::new(1.0, lengths) };
+    let apart: Vec<[f64; 3]> = (0..200)
+        .map(|_| {
+            let towards: [f64; 3] = core::array::from_fn(|_| random.next() - 0.5);
+            let length = towards.iter().map(|side| side * side).sum::<f64>().sqrt();
+            towards.map(|side| side / length)
+        })
+        .collect();
+    // The middle of a pair, none near another's, and one half of a distance from there.
+    let pairs = |distance: f64| {
+        places::<P>(400, |row| {
+            let (pair, sign) = (row / 2, [-0.5, 0.5][row % 2]);
+            let middle = [(pair % 6) as f64 * 4.0 + 0.1, (pair / 6 % 6) as f64 * 4.0 + 0.3, (pair / 36) as f64 * 4.0];
+            core::array::from_fn(|side| middle[side] + sign * distance * apart[pair][side])
+        })
+    };
+    let mut lists = Lists::<P>::with_width(reach, 1).unwrap();
+    lists.build(Isa::detect(), slices(&pairs(1.5 - within)), SERIAL).unwrap();
+    let listed = (0..400).filter(|number| lists.cluster(*number).list.len() == 2).count();
+    assert_eq!(listed, 400, "{}: everybody's partner is listed", P::NAME);
+    let closer = pairs(1.0 - within / 2.0);
+    assert!(lists.follow(Isa::detect(), slices(&closer)), "{}", P::NAME);
+    assert!(by_lists(&lists, &closer, 1.0).iter().all(|sum| sum[3] > P::default()));
+    assert!(!lists.follow(Isa::detect(), slices(&pairs(1.0 - 4.0 * within))), "{}", P::NAME);
 }
 
 #[test]
-fn rows_without_a_place_are_on_nobodys_list() {
-    nowhere::<f64>([0.0; 3]);
-    nowhere::<f32>([0.0; 3]);
-    nowhere::<f64>([3.0; 3]);
-    nowhere::<f32>([0.0, 3.0, 3.0]);
-}
-
-#[test]
-fn what_cannot_be_listed_is_refused() {
-    let refused = |reach| Lists::<f64>::new(reach).err();
-    for cutoff in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert_eq!(refused(Reach::new(cutoff, [0.0; 3])), Some(Unfit::Reach));
-    }
-    assert_eq!(refused(Reach { skin: -0.1, ..Reach::new(1.0, [0.0; 3]) }), Some(Unfit::Reach));
-    for length in [-1.0, f64::NAN, f64::NEG_INFINITY] {
-        assert_eq!(refused(Reach::new(1.0, [3.0, length, 0.0])), Some(Unfit::Length));
-    }
-    assert_eq!(refused(Reach::new(1.0, [f64::INFINITY; 3])), None);
-    // More images than can be numbered.
-    let places = places::<f64>(100, |row| [row as f64, 0.0, 0.0]);
-    for lengths in [[1e-9, 0.0, 0.0], [1e-3; 3], [1e-2, 1e-3, 1e-3]] {
-        let mut lists = Lists::<f64>::new(Reach::new(1.0, lengths)).unwrap();
-        let refused = lists.build(Isa::detect(), slices(&places), SERIAL);
-        assert_eq!((refused, lists.clusters()), (Err(Unfit::TooMany), 0), "{lengths:?}");
-    }
-    // More neighbours than are allowed; the lists can be made afterwards, where rows are somewhere else.
-    let mut lists = Lists::<f64>::new(Reach { most: 5000, ..Reach::new(1.0, [0.0; 3]) }).unwrap();
-    let crowd = self::places::<f64>(1000, |_| [1.0; 3]);
-    for in_parts in [SERIAL, &on_threads] {
-        assert_eq!(lists.build(Isa::detect(), slices(&crowd), in_parts), Err(Unfit::TooMany));
-        assert!(!lists.follow(Isa::detect(), slices(&crowd)));
-        assert_eq!(lists.build(Isa::detect(), slices(&places), in_parts), Ok(()));
-        assert!(bits(&by_lists(&lists, &places, 1.0)) == bits(&by_all_pairs(&places, lists.reach, 0)));
-    }
-}
-
-#[test]
-fn rows_that_come_and_go_are_seen() {
-    let mut lists = Lists::<f64>::new(Reach::new(1.0, [4.0, 0.0, 4.0])).unwrap();
-    for rows in [30, 31, 1, 0, 64, 63] {
-        let places = places::<f64>(rows, |row| [0.37 * row as f64, (row % 3) as f64, 0.91 * row as f64]);
-        assert!(!lists.follow(Isa::detect(), slices(&places)), "{rows}");
-        lists.build(Isa::detect(), slices(&places), SERIAL).unwrap();
-        assert!(lists.follow(Isa::detect(), slices(&places)));
-        assert!(bits(&by_lists(&lists, &places, 1.0)) == bits(&by_all_pairs(&places, lists.reach, 1)));
-    }
-}
-
-#[test]
-fn numbers_of_rows_are_copied_to_all_their_entries() {
-    let places = places::<f64>(50, |row| [0.1 * row as f64, 0.2 * row as f64, 0.0]);
-    let mut lists = Lists::<f64>::new(Reach::new(1.0, [3.0, 2.5, 0.0])).unwrap();
-    lists.build(Isa::detect(), slices(&places), SERIAL).unwrap();
-    assert!(lists.entries() > 50 && lists.entries_of(0..50) == (0..lists.entries()));
-    let numbers: Vec<f64> = (0..50).map(f64::from).collect();
-    let mut copied = vec![-1.0; lists.entries()];
-    for rows in [0..20, 20..20, 20..50, 50..50] {
-        lists.spread(rows.clone(), &numbers[rows.clone()], &mut copied[lists.entries_of(rows)]);
-    }
-    for row in 0..50 {
-        assert!(copied[lists.entries_of(row..row + 1)].iter().all(|number| *number == row as f64), "{row}");
-    }
-    assert!(copied.is_sorted());
-}
-
-#[test]
-fn lists_pay_where_most_rows_are_out_of_reach() {
-    assert!(super::pays(32_000, 180.0, 10.0) && super::pays(1100, 180.0, 1.0));
-    assert!(!super::pays(180, 180.0, 1e9) && !super::pays(500, 180.0, 1.0) && !super::pays(0, 0.0, 1.0));
-}
-
-#[test]
-fn the_unit_of_length_does_not_matter() {
-    for unit in [1e-150, 1e-30, 1e30, 1e150] {
-        let mut random = Random(8);
-        let places = places::<f64>(300, |_| core::array::from_fn(|_| 5.0 * unit * random.next()));
-        for lengths in [[0.0; 3], [5.0 * unit; 3]] {
-            let mut lists = Lists::<f64>::new(Reach::new(unit, lengths)).unwrap();
-            lists.build(Isa::detect(), slices(&places), SERIAL).unwrap();
-            let (found, expected) = (by_lists(&lists, &places, unit), by_all_pairs(&places, lists.reach, 1));
-            assert!(bits(&found) == bits(&expected) && lists.average() < 100.0, "{unit:e}: {}", lists.average());
-        }
+fn pairs_that_close_in_are_seen_as_long_as_lists_hold() {
+    for lengths in [[0.0; 3], [24.0; 3]] {
+        close_in::<f64>(lengths, 1e-12);
+        close_in::<f32>(lengths, 3e-5);
     }
 }
