@@ -20,6 +20,8 @@ pub struct Law {
     pub domain: Option<String>,
     /// What it says of its body.
     pub words: Vec<String>,
+    /// The component, of all parameters', from which on pairs do nothing to each other.
+    pub cutoff: Option<usize>,
     /// In the order of their numbers.
     pub ports: Vec<Port>,
     /// Per port: the ports that a rate depends on, one bit each; all bits where the declaration does not say.
@@ -99,6 +101,7 @@ pub fn check(declaration: Declaration) -> syn::Result<Law> {
             _ => {}
         }
     }
+    let cutoff = cutoff(&fields, real.as_ref(), &mut ports, &mut faults);
     ports.sort_by_key(rank);
     if let Some(port) = ports.get(63) {
         faults.at(port.field.span(), "a law has at most 63 ports: split it");
@@ -118,7 +121,34 @@ pub fn check(declaration: Declaration) -> syn::Result<Law> {
     }
     let (snake, domain) = (snake_case(&name.to_string()), domain.map(|domain| domain.value()));
     let words = words.iter().map(Ident::to_string).collect();
-    Ok(Law { name, visibility, real, snake, doc, domain, words, ports, from, link, members })
+    Ok(Law { name, visibility, real, snake, doc, domain, words, cutoff, ports, from, link, members })
+}
+
+/// The component of the parameter that says `cutoff`. The law's loop then looks at the lengths of a periodic box, too.
+fn cutoff(fields: &[Field], real: Option<&Ident>, ports: &mut Vec<Port>, faults: &mut Faults) -> Option<usize> {
+    let mut said = fields.iter().filter_map(|field| Some((field, field.cutoff?)));
+    let (cutoff, span) = said.next()?;
+    if let Some((second, again)) = said.next() {
+        faults.at(again, format!("`{}` is a second `cutoff`, after `{}`: a law has one", second.name, cutoff.name));
+    }
+    let is_vector = |field: &Field| real.and_then(|real| is_vector(&field.ty, real)).unwrap_or_default();
+    if cutoff.skip || is_vector(cutoff) {
+        faults.at(span, format!("`cutoff` is a number, a distance: `{}` is none", cutoff.name));
+    }
+    let before = fields.iter().take_while(|field| field.name != cutoff.name).filter(|field| !field.skip);
+    let component = before.map(|field| if is_vector(field) { 3 } else { 1 }).sum();
+    let number = Number { span, vector: true, value: [0.0; 3] };
+    ports.push(Port {
+        field: Ident::new("periodic_box", span),
+        property: syn::parse_quote_spanned!(span=> ::vesper::property::PeriodicBox),
+        mode: Mode::Reads,
+        place: Place::Scene,
+        optional: None,
+        default: Some(number),
+        from: None,
+        hidden: true,
+    });
+    Some(component)
 }
 
 pub fn is_output(port: &Port) -> bool {
@@ -249,7 +279,7 @@ fn from(port: &Port, ports: &[Port], faults: &mut Faults) -> u64 {
 
 /// The part of a field, or `None` after a fault.
 fn member(field: Field, law: &Ident, real: Option<&Ident>, faults: &mut Faults) -> Option<Member> {
-    let Field { name, doc, ty, declared, skip, unit, default } = field;
+    let Field { name, doc, ty, declared, skip, unit, default, .. } = field;
     if skip {
         if unit.is_some() || default.is_some() {
             faults.at(name.span(), format!("field `{name}` is skipped, so it has no unit and no default"));

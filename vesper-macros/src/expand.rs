@@ -27,7 +27,7 @@ impl Law {
 
     /// Inputs or outputs, of the row or of its ends.
     pub fn side(&self, output: bool, end: bool) -> Vec<Numbered<'_>> {
-        let ports = self.ports.iter().enumerate();
+        let ports = self.ports.iter().enumerate().filter(|(_, port)| !port.hidden);
         ports.filter(|(_, port)| is_output(port) == output && (port.place == Place::End) == end).collect()
     }
 
@@ -264,6 +264,7 @@ fn implementation(law: &Law) -> TokenStream {
         let (field, said) = (format_ident!("{word}"), law.words.iter().any(|said| said == word));
         quote!(#field: #said,)
     });
+    let cutoff = option(law.cutoff.map(|component| quote!(#component)));
     let domain = option(law.domain.as_ref().map(|domain| quote!(#domain)));
     let link = option(law.link.as_ref().map(|link| info(&link.property)));
     let bodies = law.members.iter().map(|member| match member {
@@ -300,6 +301,7 @@ fn implementation(law: &Law) -> TokenStream {
                 parameters: PARAMETERS,
                 link: #link,
                 #(#words)*
+                cutoff: #cutoff,
                 file: ::core::file!(),
                 line: ::core::line!(),
             };

@@ -57,6 +57,8 @@ pub struct Port {
     pub default: Option<Number>,
     /// The names after `from`.
     pub from: Option<Vec<Ident>>,
+    /// Whether it is for the loop around the body, which does not get it.
+    pub hidden: bool,
 }
 
 /// `ends: Ends` of a link group.
@@ -84,6 +86,8 @@ pub struct Field {
     pub skip: bool,
     pub unit: Option<LitStr>,
     pub default: Option<Number>,
+    /// The word `cutoff`.
+    pub cutoff: Option<Span>,
 }
 
 /// What a law may say of its body; each is a field of `vesper::law::Signature`.
@@ -248,6 +252,7 @@ fn port(input: ParseStream, word: Ident, mode: Mode, place: Place) -> syn::Resul
         optional: None,
         default: None,
         from: None,
+        hidden: false,
     };
     if input.peek(Token![=]) {
         let equals: Token![=] = input.parse()?;
@@ -332,6 +337,7 @@ impl Field {
             skip: false,
             unit: None,
             default: None,
+            cutoff: None,
         };
         for attribute in laws(&field.attrs) {
             found.declared = true;
@@ -346,6 +352,7 @@ impl Field {
             let word = input.call(Ident::parse_any)?;
             match word.to_string().as_str() {
                 "skip" => self.skip = true,
+                "cutoff" => self.cutoff = Some(word.span()),
                 "unit" => {
                     input.parse::<Token![=]>()?;
                     self.unit = Some(input.parse()?);
@@ -354,7 +361,7 @@ impl Field {
                     input.parse::<Token![=]>()?;
                     self.default = Some(input.parse()?);
                 }
-                text => return Err(fault(word.span(), unknown("key", text, &["unit", "default", "skip"]))),
+                text => return Err(fault(word.span(), unknown("key", text, &["unit", "default", "cutoff", "skip"]))),
             }
             comma(input)?;
         }

@@ -7,7 +7,6 @@
 mod column;
 mod dynamic;
 mod link;
-#[allow(dead_code, reason = "no pass takes lists yet")]
 mod near;
 mod pair;
 mod pointers;
@@ -22,7 +21,8 @@ pub use row::row;
 
 pub(crate) use column::ColumnKernel;
 pub(crate) use link::{LinkCall, LinkKernel, Links, Strided};
-pub(crate) use pair::{BLOCK, PAYS, PairCall, PairKernel, Tally, coordinate_slots, rounds};
+pub(crate) use near::{Lists, Reach as ListReach, Unfit};
+pub(crate) use pair::{BLOCK, PAYS, PairCall, PairKernel, Tally, box_slot, coordinate_slots, distance_slot, rounds};
 pub(crate) use pointers::{MAX_SLOTS, row_of, wants};
 pub(crate) use row::{AHEAD, RowCall, RowKernel};
 pub(crate) use tangent::{DualReach, Reach, TangentCall};
@@ -44,6 +44,7 @@ pub(crate) const fn block<P>(bytes: usize) -> usize {
 const fn says_nothing_of_pairs(signature: &Signature) {
     assert!(!signature.translation_invariant, "`translation_invariant` is for laws of pairs: leave the word out");
     assert!(!signature.antisymmetric, "`antisymmetric` is for laws of pairs: leave the word out");
+    assert!(signature.cutoff.is_none(), "`cutoff` is for laws of pairs: leave the word out");
     assert!(!signature.estimates, "`estimates` is for laws of pairs: leave the word out");
 }
 

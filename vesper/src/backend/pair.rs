@@ -4,12 +4,15 @@
 
 mod apart;
 mod each;
+mod near;
 mod once;
 mod sight;
 
 pub(crate) use apart::coordinate_slots;
+pub(crate) use near::{box_slot, distance_slot, images};
 pub(crate) use once::{BLOCK, PAYS, Tally, rounds};
 
+use super::near::Lists;
 use super::pointers::{MAX_SLOTS, Rows, SUMS, Slots, first_output, slot_count, slots_at};
 use super::tangent::{self, TangentCall};
 use super::{Compiled, Kernel};
@@ -19,8 +22,9 @@ use apart::Apart;
 use core::marker::PhantomData;
 use core::ops::Range;
 use each::Each;
+use near::{Listed, Near};
 use once::{Give, Meet};
-use sight::{Plain, load};
+use sight::{Plain, Sight, load};
 use std::sync::Arc;
 
 /// One call of a pair kernel.
@@ -38,10 +42,12 @@ pub(crate) struct PairCall<'a, P> {
     pub(crate) first: bool,
     /// Whether a law that allows estimates is computed with them.
     pub(crate) estimates: bool,
+    /// The square of the distance at which a law with a cut-off ends.
+    pub(crate) square: P,
 }
 
 /// A pair law with its loops.
-pub(crate) trait PairKernel<P>: Send + Sync {
+pub(crate) trait PairKernel<P: Scalar>: Send + Sync {
     /// Numbers that it adds to.
     fn added(&self) -> usize;
     /// # Safety
@@ -49,6 +55,17 @@ pub(crate) trait PairKernel<P>: Send + Sync {
     /// room behind the last ([`crate::column::whole`]), and so do rests, as many as slots or none; nobody else touches the rows of
     /// the call of what the law adds to, or that room. Only the last call ends between multiples of the lanes.
     unsafe fn run(&self, isa: Isa, call: &PairCall<'_, P>);
+    /// Rows of some clusters get what those of their lists do: slots of what the law reads have a number for each entry of the
+    /// lists, those of what it adds to one for each row.
+    ///
+    /// # Safety
+    /// As for `run`; nobody else touches the rows of the clusters of what the law adds to.
+    unsafe fn run_listed(&self, isa: Isa, call: &PairCall<'_, P>, lists: &Lists<P>, clusters: Range<usize>);
+    /// The energy of all pairs within the cut-off, where the law knows it.
+    ///
+    /// # Safety
+    /// As for `run_listed`.
+    unsafe fn energy_listed(&self, call: &PairCall<'_, P>, lists: &Lists<P>) -> Option<f64>;
     /// Two blocks of the call's rows meet, or one is alone: each pair is looked at once, and the shares go to the tally.
     ///
     /// # Safety
@@ -84,7 +101,12 @@ pub(crate) trait PairKernel<P>: Send + Sync {
 
 /// Makes the loops of a pair law.
 pub fn pair<P: Scalar, F: PairFamily>(law: &F) -> Compiled<P> {
-    const { assert!(added(&F::SIGNATURE) <= SUMS, "a pair law adds to at most 12 numbers") };
+    const {
+        assert!(added(&F::SIGNATURE) <= SUMS, "a pair law adds to at most 12 numbers");
+        let ends = F::SIGNATURE.cutoff.is_some();
+        let one = distance_slot(F::SIGNATURE.ports).is_some();
+        assert!(!ends || one, "a law with a `cutoff` reads one coordinate, a vector, which distances are taken of");
+    };
     Compiled {
         signature: F::SIGNATURE,
         energy: F::ENERGY,
@@ -147,34 +169,71 @@ macro_rules! sized {
     };
 }
 
+/// Gives each row what all others do to it, with estimates where the call says so.
+///
+/// # Safety
+/// As for [`PairKernel::run`].
+unsafe fn run<P: Scalar, F: PairFamily, S: Sight<P, F>>(law: &F, isa: Isa, call: &PairCall<'_, P>, sight: S) {
+    if const { F::SIGNATURE.estimates } && call.estimates {
+        let mut call = call.clone();
+        // SAFETY: passed on to the caller.
+        while let Some(rows) =
+            sized!(F, N => P::with_estimates(isa, unsafe { Each::<_, _, _, N>::new(law, &call, sight) }))
+        {
+            // What estimates have no number for, too small or too large a square, the body itself may have.
+            let exact = PairCall { rows: rows.clone(), estimates: false, ..call.clone() };
+            // SAFETY: as above.
+            unsafe { run::<P, F, S>(law, isa, &exact, sight) };
+            call.rows.start = rows.end;
+        }
+        return;
+    }
+    // SAFETY: as above.
+    sized!(F, N => P::with_lanes(isa, unsafe { Each::<_, _, _, N>::new(law, call, sight) }));
+}
+
 impl<P: Scalar, F: PairFamily> PairKernel<P> for F {
     fn added(&self) -> usize {
         Pairs::<P, F>::ADDED
     }
 
     unsafe fn run(&self, isa: Isa, call: &PairCall<'_, P>) {
+        if const { F::SIGNATURE.cutoff.is_some() } {
+            // SAFETY: the caller promises the same.
+            return unsafe { run::<P, F, _>(self, isa, call, Near::new(call)) };
+        }
         let apart = const { F::SIGNATURE.translation_invariant && coordinate_slots(F::SIGNATURE.ports) != 0 };
         if apart && !call.rests.is_empty() {
-            // SAFETY: the caller promises the same.
+            // SAFETY: as above.
             sized!(F, N => P::with_lanes(isa, unsafe { Each::<_, _, _, N>::new(self, call, Apart::<P, F>::new(call.rests)) }));
             return;
         }
+        // SAFETY: as above.
+        unsafe { run::<P, F, _>(self, isa, call, Plain) };
+    }
+
+    unsafe fn run_listed(&self, isa: Isa, call: &PairCall<'_, P>, lists: &Lists<P>, mut clusters: Range<usize>) {
+        if const { F::SIGNATURE.cutoff.is_none() } {
+            return;
+        }
         if const { F::SIGNATURE.estimates } && call.estimates {
-            let mut call = call.clone();
-            // SAFETY: as above.
-            while let Some(rows) =
-                sized!(F, N => P::with_estimates(isa, unsafe { Each::<_, _, _, N>::new(self, &call, Plain) }))
+            // SAFETY: the caller promises the same.
+            while let Some(cluster) = sized!(F, N => P::with_estimates(isa, unsafe { Listed::<_, _, N>::new(self, call, lists, clusters.clone()) }))
             {
-                // What estimates have no number for, too small or too large a square, the body itself may have.
-                let exact = PairCall { rows: rows.clone(), estimates: false, ..call.clone() };
+                let exact = PairCall { estimates: false, ..call.clone() };
                 // SAFETY: as above.
-                unsafe { PairKernel::<P>::run(self, isa, &exact) };
-                call.rows.start = rows.end;
+                unsafe { self.run_listed(isa, &exact, lists, cluster..cluster + 1) };
+                clusters.start = cluster + 1;
             }
             return;
         }
         // SAFETY: as above.
-        sized!(F, N => P::with_lanes(isa, unsafe { Each::<_, _, _, N>::new(self, call, Plain) }));
+        sized!(F, N => P::with_lanes(isa, unsafe { Listed::<_, _, N>::new(self, call, lists, clusters) }));
+    }
+
+    unsafe fn energy_listed(&self, call: &PairCall<'_, P>, lists: &Lists<P>) -> Option<f64> {
+        // SAFETY: the caller promises the same.
+        (F::ENERGY && F::SIGNATURE.cutoff.is_some()).then(|| unsafe { near::energy(self, call, lists) })
     }
 
     unsafe fn meet(&self, isa: Isa, call: &PairCall<'_, P>, tally: &Tally<P>, blocks: [usize; 2]) {
@@ -220,6 +279,10 @@ impl<P: Scalar, F: PairFamily> PairKernel<P> for F {
     unsafe fn energy(&self, call: &PairCall<'_, P>) -> Option<f64> {
         if !F::ENERGY {
             return None;
+        }
+        if const { F::SIGNATURE.cutoff.is_some() } {
+            // SAFETY: the caller promises the same.
+            return Some(unsafe { near::energy_of_all(self, call) });
         }
         // SAFETY: the caller promises the slots.
         let slots = unsafe { Pairs::<P, F>::slots(call.slots) };

@@ -63,6 +63,43 @@ impl<P: Scalar> Slots<P> {
     }
 }
 
+impl<P: Scalar> Slots<P> {
+    /// Whether there are numbers.
+    #[inline(always)]
+    pub(crate) fn is_there(&self, slot: usize) -> bool {
+        !self.pointers[slot].is_null()
+    }
+
+    /// The number of a constant.
+    #[inline(always)]
+    pub(crate) fn constant(&self, slot: usize) -> P {
+        self.numbers[slot]
+    }
+
+    /// The number of a row.
+    ///
+    /// # Safety
+    /// The slot has one for it.
+    #[inline(always)]
+    pub(crate) unsafe fn number(&self, slot: usize, row: usize) -> P {
+        // SAFETY: passed on to the caller.
+        unsafe { *self.pointers[slot].add(row) }
+    }
+
+    /// Adds to the number of a row, or begins it.
+    ///
+    /// # Safety
+    /// The slot has one for it, which nobody else touches.
+    #[inline(always)]
+    pub(crate) unsafe fn give(&self, slot: usize, row: usize, value: P, first: bool) {
+        // SAFETY: passed on to the caller.
+        unsafe {
+            let to = self.pointers[slot].add(row);
+            *to = if first { value } else { *to + value };
+        }
+    }
+}
+
 /// Numbers of all ports.
 pub(crate) const fn slot_count(ports: &[Port]) -> usize {
     let (mut port, mut slots) = (0, 0);

@@ -5,6 +5,7 @@
 //! loops are made once for each law and precision, so that laws which nobody differentiates cost no time to compile.
 
 use super::pointers::{SUMS, Sums, first_output, slots_at};
+use super::pair::{box_slot, distance_slot, images};
 use super::within::Within;
 use crate::law::{Declared, LinkFamily, LinkLaw, PairFamily, PairLaw, Place, RowFamily, RowLaw, Sink, Source};
 use crate::real::{Dual, Scalar};
@@ -174,26 +175,102 @@ pub(super) unsafe fn rows<P: Scalar, F: RowFamily>(law: &F, call: &TangentCall<'
 /// # Safety
 /// The call keeps its promises.
 pub(super) unsafe fn pairs<P: Scalar, F: PairFamily>(law: &F, call: &TangentCall<'_, P>) {
+    if let Some(cutoff) = F::SIGNATURE.cutoff {
+        // SAFETY: passed on to the caller.
+        return unsafe { near_pairs(law, call, law.parameters()[cutoff]) };
+    }
     let law = law.kernel::<Dual<P>>();
-    let first = first_output(F::SIGNATURE.ports);
     let slots = call.slots;
-    let load = |row| {
-        let source = Within::<_, F>::new(Row { slots, row, ends: 0, end: 0 });
-        <F::Kernel<Dual<P>> as Declared<Dual<P>>>::load(&source)
-    };
+    let load = |row| load::<P, F>(Row { slots, row, ends: 0, end: 0 });
     // Loaded once: each row meets all others.
     let all: Vec<_> = (0..call.rows).map(load).collect();
     for (i, row) in all.iter().enumerate() {
-        let mut sums = Sums::<Dual<P>, SUMS>::zero(first);
+        let mut sums = Sums::<Dual<P>, SUMS>::zero(first_output(F::SIGNATURE.ports));
         for other in all[..i].iter().chain(&all[i + 1..]) {
-            let mut share = Sums::<Dual<P>, SUMS>::nothing(first);
-            <F::Kernel<Dual<P>> as Declared<Dual<P>>>::store(law.pair(*row, *other), &mut share);
-            sums.take(&share, SUMS);
+            take::<P, F>(&mut sums, law.pair(*row, *other));
         }
-        let mut sink = RowMut { slots, row: i };
-        for (slot, sum) in (first..slots.len()).zip(sums.values) {
-            sink.add(slot, sum);
+        give::<P, F>(slots, i, &sums);
+    }
+}
+
+/// The same for a law that ends at a distance: with all images of a row that are within it.
+///
+/// # Safety
+/// The call keeps its promises.
+unsafe fn near_pairs<P: Scalar, F: PairFamily>(law: &F, call: &TangentCall<'_, P>, cutoff: f64) {
+    let law = law.kernel::<Dual<P>>();
+    let slots = call.slots;
+    let first = distance_slot(F::SIGNATURE.ports).unwrap_or_default();
+    let number = |slot: usize, row: usize| {
+        // SAFETY: the caller promises the rows.
+        unsafe { slots[slot].load(row) }.value.to_f64()
+    };
+    let place = |row| [0, 1, 2].map(|side| number(first + side, row));
+    let lengths = match box_slot(F::SIGNATURE.ports) {
+        Some(slot) => [0, 1, 2].map(|side| number(slot + side, 0)),
+        None => [0.0; 3],
+    };
+    for i in 0..call.rows {
+        let (row, at) = (load::<P, F>(Row { slots, row: i, ends: 0, end: 0 }), place(i));
+        let mut sums = Sums::<Dual<P>, SUMS>::zero(first_output(F::SIGNATURE.ports));
+        for j in 0..call.rows {
+            let other = place(j);
+            for by in images([0, 1, 2].map(|side| other[side] - at[side]), lengths, cutoff) {
+                if i == j && by == [0.0; 3] {
+                    continue;
+                }
+                let moved = Moved { row: Row { slots, row: j, ends: 0, end: 0 }, first, by };
+                take::<P, F>(&mut sums, law.pair(row, load::<P, F>(moved)));
+            }
         }
+        give::<P, F>(slots, i, &sums);
+    }
+}
+
+type RowOf<P, F> = <<F as PairFamily>::Kernel<Dual<P>> as Declared<Dual<P>>>::Row;
+type OutputOf<P, F> = <<F as PairFamily>::Kernel<Dual<P>> as Declared<Dual<P>>>::Output;
+
+fn load<P: Scalar, F: PairFamily>(source: impl Source<Dual<P>>) -> RowOf<P, F> {
+    <F::Kernel<Dual<P>> as Declared<Dual<P>>>::load(&Within::<_, F>::new(source))
+}
+
+fn take<P: Scalar, F: PairFamily>(sums: &mut Sums<Dual<P>, SUMS>, output: OutputOf<P, F>) {
+    let mut share = Sums::nothing(first_output(F::SIGNATURE.ports));
+    <F::Kernel<Dual<P>> as Declared<Dual<P>>>::store(output, &mut share);
+    sums.take(&share, SUMS);
+}
+
+fn give<P: Scalar, F: PairFamily>(slots: &[DualReach<P>], row: usize, sums: &Sums<Dual<P>, SUMS>) {
+    let first = first_output(F::SIGNATURE.ports);
+    let mut sink = RowMut { slots, row };
+    for (slot, sum) in (first..slots.len()).zip(sums.values) {
+        sink.add(slot, sum);
+    }
+}
+
+/// A row of which the coordinate from slot `first` on is moved.
+struct Moved<'a, P> {
+    row: Row<'a, P>,
+    first: usize,
+    by: [f64; 3],
+}
+
+impl<P: Scalar> Source<Dual<P>> for Moved<'_, P> {
+    fn wants(&self, port: usize) -> bool {
+        self.row.wants(port)
+    }
+    fn has(&self, slot: usize) -> bool {
+        self.row.has(slot)
+    }
+    fn component(&self, slot: usize) -> Dual<P> {
+        let number = self.row.component(slot);
+        match slot.checked_sub(self.first).and_then(|side| self.by.get(side)) {
+            Some(by) => number + Dual::constant(P::from_f64(*by)),
+            None => number,
+        }
+    }
+    fn constant(&self, slot: usize) -> Dual<P> {
+        self.row.constant(slot)
     }
 }
 

@@ -160,6 +160,7 @@ impl DynLawBuilder {
             translation_invariant: false,
             antisymmetric: false,
             estimates: false,
+            cutoff: None,
             file: "",
             line: 0,
         };

@@ -122,6 +122,9 @@ pub struct Signature {
     /// Whether many pairs may be computed with fused products and estimated roots: faster, within some roundings of the body as
     /// it is written, and not with the same bits on every processor.
     pub estimates: bool,
+    /// For a pair law that ends at a distance, the number of its parameters' component that is this distance, in the unit of the
+    /// one coordinate that it reads.
+    pub cutoff: Option<usize>,
     /// Source file of the declaration.
     pub file: &'static str,
     /// Line of the declaration.

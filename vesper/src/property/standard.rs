@@ -43,6 +43,8 @@ property! {
     /// Length at which a spring is at ease.
     pub RestLength: Scalar, "m";
 
+    /// Lengths after which a scene comes again, in each direction; 0 for never. Pair laws with a cut-off see all images of a row.
+    pub PeriodicBox: Vector, "m";
     /// Time of the state, kept by the engine in the domain "scene".
     pub Time: Scalar, "s";
     /// Uniform acceleration of free fall.

@@ -162,6 +162,7 @@ mod tests {
             translation_invariant: false,
             antisymmetric: false,
             estimates: false,
+            cutoff: None,
             file: "",
             line: 0,
         }
