@@ -249,6 +249,8 @@ pub enum Fault {
     OriginStays { who: String, reason: String },
     #[error("{law} says {word}: {}, or leave the word out", word.advice())]
     NotAsSaid { law: String, word: PairWord },
+    #[error("{law} has no cut-off that neighbours can be found within: {reason}")]
+    Cutoff { law: String, reason: String },
     #[error("the checkpoint does not fit: {reason}")]
     Checkpoint { reason: String },
 }

@@ -4,8 +4,8 @@
 //! that a law adds and sets, with the derivatives of all that it gives; of rates the derivatives only. Never lanes: these
 //! loops are made once for each law and precision, so that laws which nobody differentiates cost no time to compile.
 
-use super::pointers::{SUMS, Sums, first_output, slots_at};
 use super::pair::{box_slot, distance_slot, images};
+use super::pointers::{SUMS, Sums, first_output, slots_at};
 use super::within::Within;
 use crate::law::{Declared, LinkFamily, LinkLaw, PairFamily, PairLaw, Place, RowFamily, RowLaw, Sink, Source};
 use crate::real::{Dual, Scalar};

@@ -17,6 +17,7 @@ mod linear;
 mod linearised;
 mod magnitudes;
 mod merge;
+mod neighbours;
 mod operand;
 mod pairs;
 mod pass;
@@ -217,6 +218,7 @@ impl<P: Scalar> Pipeline<P> {
     fn check_pairs(&self) -> Result<(), Faults> {
         let passes = self.programs.iter().flat_map(|program| &program.passes);
         let mut broken: Vec<(usize, PairWord)> = Vec::new();
+        let mut faults = Vec::new();
         for bound in passes {
             let bind::Pass::Pair(pair) = &bound.pass else { continue };
             if !pair.is_invariant() {
@@ -225,6 +227,8 @@ impl<P: Scalar> Pipeline<P> {
             if !pair.is_antisymmetric() {
                 broken.push((pair.law, PairWord::Antisymmetric));
             }
+            let signature = &self.entries[pair.law].signature;
+            faults.extend(neighbours::fault(pair, signature).map(|reason| (pair.law, reason)));
         }
         broken.sort_unstable();
         broken.dedup();

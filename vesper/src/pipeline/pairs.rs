@@ -1,6 +1,7 @@
 //! Runs the pass of a pair law. In: a pass that is tied to a state. Out: sums in their columns, or an energy. Never: a body.
 
 use super::bind::PairPass;
+use super::neighbours::Neighbours;
 use super::pass::first_result;
 use super::run::{Context, in_parts};
 use crate::backend::{BLOCK, PairCall, Tally, rounds};
@@ -37,9 +38,10 @@ impl<P: Scalar> Once<P> {
 impl<P: Scalar> PairPass<P> {
     /// For these rows, and all others.
     #[inline]
-    fn call(&self, rows: Range<usize>) -> PairCall<'_, P> {
+    pub(super) fn call(&self, rows: Range<usize>) -> PairCall<'_, P> {
         let PairPass { slots, rests, first, estimates, .. } = self;
-        PairCall { slots, rests, rows, others: 0..self.rows, first: *first, estimates: *estimates }
+        let square = self.near.as_ref().map_or(P::default(), Neighbours::square);
+        PairCall { slots, rests, rows, others: 0..self.rows, first: *first, estimates: *estimates, square }
     }
 
     /// For all rows.
@@ -68,15 +70,19 @@ pub(super) fn run<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -
         unsafe { transfer.load(context.lent, 0..pass.rows, pass.packed[transfer.scratch].pointer()) };
     }
     if pass.energy {
-        // SAFETY: the slots have a number for every row.
-        return unsafe { pass.kernel.energy(&pass.all()) }.unwrap_or_default();
+        return energy(pass, context);
     }
-    context.timed(pass.law, || match &pass.once {
-        Some(once) => meet(pass, once, context),
-        None => in_parts(context, pass.threads, pass.rows, PAIR_GRAIN, |rows| {
-            // SAFETY: as above; parts sum for different rows.
-            unsafe { pass.kernel.run(context.isa, &pass.call(rows)) };
-        }),
+    context.timed(pass.law, || {
+        if super::neighbours::follow(pass, context) {
+            return super::neighbours::run(pass, context);
+        }
+        match &pass.once {
+            Some(once) => meet(pass, once, context),
+            None => in_parts(context, pass.threads, pass.rows, PAIR_GRAIN, |rows| {
+                // SAFETY: the slots have a number for every row; parts sum for different rows.
+                unsafe { pass.kernel.run(context.isa, &pass.call(rows)) };
+            }),
+        }
     });
     context.watch(pass.law, || {
         let first = first_result(context, pass.law);
@@ -87,6 +93,16 @@ pub(super) fn run<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -
         unsafe { transfer.store(context.lent, 0..pass.rows, pass.packed[transfer.scratch].pointer()) };
     }
     0.0
+}
+
+fn energy<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 {
+    let energy = if super::neighbours::follow(pass, context) {
+        super::neighbours::energy(pass)
+    } else {
+        // SAFETY: the slots have a number for every row.
+        unsafe { pass.kernel.energy(&pass.all()) }
+    };
+    energy.unwrap_or_default()
 }
 
 /// Each pair is looked at once.

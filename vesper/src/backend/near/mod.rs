@@ -164,7 +164,8 @@ impl<P: Scalar> Lists<P> {
     }
 
     /// The rows of a cluster that is full.
-    pub(crate) fn width(&self) -> usize {
+    #[cfg(test)]
+    fn width(&self) -> usize {
         self.width
     }
 

@@ -3,6 +3,7 @@
 use super::{Base, Binder, PARALLEL_PAIRS, Transfer, defaults, threads};
 use crate::backend::{PAYS, PairKernel, coordinate_slots};
 use crate::column::Aligned;
+use crate::pipeline::neighbours::Neighbours;
 use crate::pipeline::operand::Operand;
 use crate::pipeline::pairs::{Once, PAIR_GRAIN};
 use crate::pipeline::plan::{Op, Placed};
@@ -31,6 +32,8 @@ pub(crate) struct PairPass<P: Scalar> {
     pub(crate) estimates: bool,
     /// What looking at each pair once takes, where it pays.
     pub(crate) once: Option<Once<P>>,
+    /// What a law that ends at a distance keeps.
+    pub(crate) near: Option<Neighbours<P>>,
     /// Whether it is one call of the kernel, on numbers where they stand.
     pub(crate) is_one_call: bool,
     /// Keeps the constants that `slots` points to.
@@ -60,6 +63,7 @@ impl<P: Scalar> Binder<'_, P> {
             threads: threads(op.backend, rows * rows, PARALLEL_PAIRS, self.machine),
             estimates: false,
             once: None,
+            near: None,
             is_one_call: false,
             _defaults: defaults,
         };
@@ -90,7 +94,9 @@ impl<P: Scalar> Binder<'_, P> {
             };
             pass.slots.push(pointer);
         }
-        if self.pipeline.takes_differences(law) && pass.packed.is_empty() && !energy {
+        let signature = &self.pipeline.entries[law].signature;
+        pass.near = Neighbours::new(signature, &self.laws[law].compiled.parameters);
+        if pass.near.is_none() && self.pipeline.takes_differences(law) && pass.packed.is_empty() && !energy {
             let rest = |operand: &Operand| match *operand {
                 Operand::Quantity(id, component) => self.pipeline.vectors.rest(id, component),
                 _ => None,
@@ -103,12 +109,11 @@ impl<P: Scalar> Binder<'_, P> {
                 pass.rests.clear();
             }
         }
-        let signature = &self.pipeline.entries[law].signature;
         pass.estimates = signature.estimates && self.machine.estimates && pass.rests.is_empty() && rows >= MANY;
-        let once = pass.estimates && signature.antisymmetric && rows >= PAYS && !energy;
+        let once = pass.estimates && signature.antisymmetric && pass.near.is_none() && rows >= PAYS && !energy;
         pass.once = once.then(|| Once::new(rows, pass.kernel.added()));
-        pass.is_one_call =
-            pass.once.is_none() && pass.transfers.is_empty() && !energy && (pass.threads == 1 || rows <= PAIR_GRAIN);
+        let plain = pass.once.is_none() && pass.near.is_none() && pass.transfers.is_empty() && !energy;
+        pass.is_one_call = plain && (pass.threads == 1 || rows <= PAIR_GRAIN);
         Some(pass)
     }
 }

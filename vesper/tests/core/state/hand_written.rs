@@ -25,6 +25,7 @@ impl<const READ: usize, const WRITTEN: usize> Law for Counted<READ, WRITTEN> {
         translation_invariant: false,
         antisymmetric: false,
         estimates: false,
+        cutoff: None,
         file: "",
         line: 0,
     };
