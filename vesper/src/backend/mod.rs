@@ -6,6 +6,7 @@
 
 mod column;
 mod dynamic;
+mod far;
 mod link;
 mod near;
 mod pair;

@@ -1,0 +1,216 @@
+//! Sums over all rows of an inverse square, with a requested error instead of all pairs.
+//!
+//! In: places, a strength for each row, a softening, a requested error. Out: for every row the field
+//! `sum of s_j (x_j - x_i) / (|x_j - x_i|^2 + e^2)^(3/2)` over all others, or the potential `sum of s_j / (|x_j - x_i|^2 + e^2)^(1/2)`.
+//! Never: a pair of rows that are at the same place; a result that depends on the number of threads, on the width of the lanes, or on
+//! an evaluation before, unless [`Far::calibrate`] is called.
+//!
+//! The rows are sorted along a curve ([`order`]) and divided into cells ([`tree`]), which have moments ([`moments`]). Each 64
+//! consecutive rows are a group. A walk ([`walk`]) tells for each group the cells that are far, whose potential is expanded once for the
+//! whole group ([`local`]), those that are near, which are summed over the rows one by one, and the rows of the cells that are too near
+//! for that ([`kernel`]). Only sources are a hierarchy: an expansion for a group costs a tenth of what the sum of a cell over its rows does,
+//! and no number goes from one group to another, so any thread may take any group.
+//!
+//! What it costs, in instructions of 16 lanes per 16 rows: a pair 13, a near cell 75, a far cell of the fourth order 300 per 16
+//! groups, which is 0.3 per row: the rows at hand are most of the time, so the order is as high as lets that number be small.
+
+#![allow(dead_code, reason = "no pipeline asks for it yet")]
+
+mod accuracy;
+mod fast;
+mod frame;
+mod kernel;
+mod local;
+mod moments;
+mod order;
+mod rows;
+mod sum;
+mod terms;
+#[cfg(test)]
+mod tests;
+mod tree;
+mod walk;
+
+use crate::real::{Isa, Scalar};
+use frame::Frame;
+use moments::Moments;
+use rows::{GROUP, Groups};
+use std::sync::Mutex;
+use sum::Call;
+use terms::{Fifth, Fourth, Sixth, Third};
+use tree::Tree;
+use walk::Opening;
+
+/// Whoever runs work on threads.
+pub(crate) trait Parts {
+    /// Calls the work for every number below `count`, once each, in any order, and comes back when all is done.
+    fn run(&self, count: usize, work: &(dyn Fn(usize) + Sync));
+}
+
+/// One part after the other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Serial;
+
+impl Parts for Serial {
+    fn run(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
+        (0..count).for_each(work);
+    }
+}
+
+/// A method for far rows, which keeps its arrays between evaluations.
+#[derive(Debug)]
+pub(crate) struct Far<P> {
+    /// Requested: root of the mean square of the field's relative error.
+    error: f64,
+    /// 3 to 6.
+    order: usize,
+    /// A cell is far where both radii together are less than so many distances.
+    opening: f64,
+    /// Places and strengths in the units of the frame, in the order of the caller.
+    places: [Vec<P>; 3],
+    strength: Vec<P>,
+    tree: Tree<P>,
+    groups: Groups<P>,
+    moments: Moments<P>,
+    /// Results in the order of the tree: field, potential.
+    sums: [Vec<P>; 4],
+}
+
+/// Groups that one part of the work sums for: as many as the widest lanes hold.
+const PART: usize = crate::real::MAX_WIDTH;
+
+impl<P: Scalar> Far<P> {
+    /// A method of a requested error: root of the mean square, relative.
+    pub(crate) fn new(error: f64) -> Self {
+        let (order, opening) = accuracy::first_guess(error);
+        Far {
+            error,
+            order,
+            opening,
+            places: Default::default(),
+            strength: Vec::new(),
+            tree: Tree::default(),
+            groups: Groups::default(),
+            moments: Moments::default(),
+            sums: Default::default(),
+        }
+    }
+
+    /// The order of the expansions and the opening, which together say what the error is.
+    pub(crate) fn opening(&self) -> (usize, f64) {
+        (self.order, self.opening)
+    }
+
+    /// Takes order and opening from another calibration.
+    pub(crate) fn set_opening(&mut self, (order, opening): (usize, f64)) {
+        (self.order, self.opening) = (order, opening);
+    }
+
+    /// Writes the field of every row.
+    pub(crate) fn field(
+        &mut self,
+        isa: Isa,
+        places: [&[P]; 3],
+        strength: &[P],
+        softening_squared: P,
+        out: [&mut [P]; 3],
+        threads: &impl Parts,
+    ) {
+        let Some(frame) = self.prepare(places, strength, softening_squared) else {
+            // A sum over all pairs has NaN in every row, too.
+            out.into_iter().for_each(|out| out.fill(P::from_f64(f64::NAN)));
+            return;
+        };
+        self.sum_all::<false>(isa, &frame, softening_squared, threads);
+        for (out, sums) in out.into_iter().zip(&self.sums) {
+            for (&origin, &sum) in self.tree.rows.origin.iter().zip(sums) {
+                out[origin as usize] = frame.field.times(sum);
+            }
+        }
+    }
+
+    /// Writes the potential of every row.
+    pub(crate) fn potential(
+        &mut self,
+        isa: Isa,
+        places: [&[P]; 3],
+        strength: &[P],
+        softening_squared: P,
+        out: &mut [P],
+        threads: &impl Parts,
+    ) {
+        let Some(frame) = self.prepare(places, strength, softening_squared) else {
+            out.fill(P::from_f64(f64::NAN));
+            return;
+        };
+        self.sum_all::<true>(isa, &frame, softening_squared, threads);
+        for (&origin, &sum) in self.tree.rows.origin.iter().zip(&self.sums[3]) {
+            out[origin as usize] = frame.potential.times(sum);
+        }
+    }
+
+    /// Takes a scene into the frame and makes the tree; none where a number is not finite.
+    fn prepare(&mut self, places: [&[P]; 3], strength: &[P], softening_squared: P) -> Option<Frame<P>> {
+        let frame = Frame::new(places, strength, softening_squared)?;
+        for (own, from) in self.places.iter_mut().zip(places) {
+            own.clear();
+            own.extend(from.iter().map(|&place| frame.length.times(place)));
+        }
+        self.strength.clear();
+        self.strength.extend(strength.iter().map(|&strength| frame.strength.times(strength)));
+        self.tree.build(&self.places, &self.strength);
+        self.groups.find(&self.tree.rows);
+        match self.order {
+            3 => self.moments.find::<Third>(&self.tree),
+            4 => self.moments.find::<Fourth>(&self.tree),
+            5 => self.moments.find::<Fifth>(&self.tree),
+            _ => self.moments.find::<Sixth>(&self.tree),
+        }
+        Some(frame)
+    }
+
+    fn call(&self, frame: &Frame<P>, softening_squared: P) -> Call<'_, P> {
+        Call {
+            tree: &self.tree,
+            groups: &self.groups,
+            moments: &self.moments,
+            opening: Opening { far: self.opening, near: accuracy::near_opening(self.order, self.opening) },
+            softening_squared: frame.square.times(softening_squared),
+        }
+    }
+
+    /// Sums for all groups.
+    fn sum_all<const POTENTIAL: bool>(
+        &mut self,
+        isa: Isa,
+        frame: &Frame<P>,
+        softening_squared: P,
+        threads: &impl Parts,
+    ) {
+        let mut sums = core::mem::take(&mut self.sums);
+        for sums in &mut sums {
+            sums.clear();
+            sums.resize(self.groups.count * GROUP, P::from_f64(0.0));
+        }
+        let call = self.call(frame, softening_squared);
+        let [x, y, z, w] = &mut sums;
+        let size = PART * GROUP;
+        // Each part locks its own piece, which nobody else asks for.
+        let parts: Vec<_> = (x.chunks_mut(size).zip(y.chunks_mut(size)))
+            .zip(z.chunks_mut(size).zip(w.chunks_mut(size)))
+            .map(|((x, y), (z, w))| Mutex::new([x, y, z, w]))
+            .collect();
+        threads.run(parts.len(), &|part| {
+            // Poisoned only where another part panicked, which ends the evaluation anyway.
+            let mut out = parts[part].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            let count = out[0].len() / GROUP;
+            let mut list = [0; PART];
+            for (group, at) in list.iter_mut().zip(part * PART..) {
+                *group = at as u32;
+            }
+            call.sum::<POTENTIAL>(self.order, isa, &list[..count], &mut out);
+        });
+        drop(parts);
+        self.sums = sums;
+    }
+}

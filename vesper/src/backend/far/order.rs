@@ -1,0 +1,128 @@
+//! Rows in an order in which neighbours in space are neighbours in memory.
+//!
+//! In: places, and the box that they lie in. Out: the rows sorted by Morton key: the bits of the three coordinates in turn, so that
+//! the rows of every cell of an octree are one range (Warren and Salmon 1993, Supercomputing, p. 12). Never: a place outside the
+//! range of its array, whatever the coordinates are; a result that depends on anything but the places.
+
+use crate::real::Scalar;
+
+/// Bits of a key for each coordinate: levels of the octree that one key tells apart.
+pub(super) const LEVELS: u32 = 10;
+/// Values of one digit of the sort.
+const DIGITS: usize = 1 << LEVELS;
+/// Rows from which on the sort by digits is faster than one by comparison.
+const MANY: usize = 600;
+
+/// A key above the number of its row: 32 bits each.
+pub(super) type Keyed = u64;
+
+/// The key alone.
+#[inline(always)]
+pub(super) fn key(keyed: Keyed) -> u32 {
+    (keyed >> 32) as u32
+}
+
+/// The row alone.
+#[inline(always)]
+pub(super) fn row(keyed: Keyed) -> usize {
+    keyed as u32 as usize
+}
+
+/// Ten bits, with two empty ones between every two.
+#[inline(always)]
+fn spread(bits: u32) -> u32 {
+    let bits = (bits | bits << 16) & 0x0300_00FF;
+    let bits = (bits | bits << 8) & 0x0300_F00F;
+    let bits = (bits | bits << 4) & 0x030C_30C3;
+    (bits | bits << 2) & 0x0924_9249
+}
+
+/// A box around rows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Box3<P> {
+    pub(super) low: [P; 3],
+    pub(super) high: [P; 3],
+}
+
+impl<P: Scalar> Box3<P> {
+    /// A box of one place.
+    #[inline(always)]
+    pub(super) fn at(place: [P; 3]) -> Self {
+        Box3 { low: place, high: place }
+    }
+
+    /// Grows so that the other one is inside.
+    #[inline(always)]
+    pub(super) fn hold(&mut self, other: Self) {
+        for k in 0..3 {
+            self.low[k] = self.low[k].min(other.low[k]);
+            self.high[k] = self.high[k].max(other.high[k]);
+        }
+    }
+
+    /// Whether it has no extent.
+    pub(super) fn is_point(&self) -> bool {
+        self.low == self.high
+    }
+
+    #[inline(always)]
+    pub(super) fn centre(&self) -> [P; 3] {
+        let half = P::from_f64(0.5);
+        [0, 1, 2].map(|k| (self.low[k] + self.high[k]) * half)
+    }
+}
+
+/// The box of the rows of a range.
+pub(super) fn box_of<P: Scalar>(places: &[Vec<P>; 3], rows: &[Keyed]) -> Box3<P> {
+    let place = |keyed: &Keyed| [0, 1, 2].map(|k| places[k][row(*keyed)]);
+    let mut found = Box3::at(place(&rows[0]));
+    for keyed in rows {
+        found.hold(Box3::at(place(keyed)));
+    }
+    found
+}
+
+/// Gives the rows of a range the keys of a box, and sorts them.
+///
+/// Rows of the same key stay in the order they are in.
+pub(super) fn sort<P: Scalar>(places: &[Vec<P>; 3], within: Box3<P>, rows: &mut [Keyed], scratch: &mut Vec<Keyed>) {
+    let low = within.low.map(Scalar::to_f64);
+    let extents = [0, 1, 2].map(|k| within.high[k].to_f64() - low[k]);
+    // One scale for all axes, so that cells are cubes: their expansions then converge alike in all directions.
+    let scale = DIGITS as f64 / extents[0].max(extents[1]).max(extents[2]);
+    // A conversion to whole numbers takes NaN to 0 and large numbers to the largest.
+    let digit = |k: usize, at: usize| (((places[k][at].to_f64() - low[k]) * scale) as u32).min(DIGITS as u32 - 1);
+    for keyed in rows.iter_mut() {
+        let at = row(*keyed);
+        let key = spread(digit(0, at)) << 2 | spread(digit(1, at)) << 1 | spread(digit(2, at));
+        *keyed = u64::from(key) << 32 | at as u64;
+    }
+    if rows.len() < MANY {
+        rows.sort_by_key(|keyed| key(*keyed));
+        return;
+    }
+    scratch.clear();
+    scratch.resize(rows.len(), 0);
+    by_digit(rows, scratch, 0);
+    by_digit(scratch, rows, 1);
+    by_digit(rows, scratch, 2);
+    rows.copy_from_slice(scratch);
+}
+
+/// One pass of a sort by digits, the lowest first.
+fn by_digit(from: &[Keyed], to: &mut [Keyed], number: u32) {
+    let digit = |keyed: Keyed| (key(keyed) >> (number * LEVELS)) as usize % DIGITS;
+    let mut places = [0u32; DIGITS];
+    for &keyed in from {
+        places[digit(keyed)] += 1;
+    }
+    let mut before = 0;
+    for place in &mut places {
+        before += core::mem::replace(place, before);
+    }
+    for &keyed in from {
+        let place = &mut places[digit(keyed)];
+        to[*place as usize] = keyed;
+        *place += 1;
+    }
+}
