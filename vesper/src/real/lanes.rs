@@ -97,7 +97,7 @@ impl Isa {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Scalar, portable};
+    use super::super::{Mask, Scalar, portable};
     use super::*;
     use core::marker::PhantomData;
 
@@ -153,8 +153,10 @@ mod tests {
                     let a = R::from_lanes(|lane| pair(lane).0);
                     let b = R::from_lanes(|lane| pair(lane).1);
                     let found = results(a, b);
+                    let less = a.less(b).bits();
                     for lane in 0..R::WIDTH {
                         let (a, b) = pair(lane);
+                        assert_eq!(less >> lane & 1 != 0, a < b, "{} {}: {a} < {b}", P::NAME, self.0);
                         for (number, (found, expected)) in found.iter().zip(results(a, b)).enumerate() {
                             let found = found.lane(lane);
                             // A NaN has no sign that anybody could rely on.

@@ -117,8 +117,16 @@ pub trait Real:
 }
 
 /// The answer of a comparison: one truth value per lane.
-pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {}
-impl Mask for bool {}
+pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// The truth value of each lane, the first one in the lowest bit.
+    fn bits(self) -> u32;
+}
+impl Mask for bool {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self.into()
+    }
+}
 
 /// A vector in space over the numbers `R`.
 pub trait Vector<R>:

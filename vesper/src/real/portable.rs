@@ -21,6 +21,18 @@ fn by_halves<P: Copy + Add<Output = P>, const N: usize>(mut lanes: [P; N]) -> P 
     lanes[0]
 }
 
+/// One truth value as a bit.
+trait Truth {
+    fn bits(self) -> u32;
+}
+
+impl Truth for bool {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self.into()
+    }
+}
+
 lanes!(
     BaselineF32, BaselineF32Mask, f32, f32, f32, bool, 4 [0 1 2 3], 1,
     f32::from, read_unaligned, write_unaligned, f32::add, f32::sub, f32::mul, f32::div, f32::sqrt, Real::min, Real::max, by_halves,

@@ -20,7 +20,14 @@ macro_rules! lanes {
         #[derive(Clone, Copy, Debug)]
         pub struct $mask([$truth; $count]);
 
-        impl Mask for $mask {}
+        impl Mask for $mask {
+            #[inline(always)]
+            fn bits(self) -> u32 {
+                let mut bits = 0;
+                $(bits |= Truth::bits(self.0[$i]) << ($i * $per);)+
+                bits
+            }
+        }
 
         impl $name {
             /// Lane by lane, through memory once: no register is taken apart.

@@ -65,6 +65,32 @@ sums! {
     };
 }
 
+/// The truth values of one register, one bit for each lane.
+trait Truth {
+    fn bits(self) -> u32;
+}
+
+macro_rules! truth {
+    ($($register:ty: |$truth:ident| $bits:expr,)*) => {$(
+        impl Truth for $register {
+            #[inline(always)]
+            fn bits(self) -> u32 {
+                let $truth = self;
+                // SAFETY: as for the operators of lanes: a register of truth values is only there with its instructions.
+                unsafe { $bits }
+            }
+        }
+    )*};
+}
+truth! {
+    __m128: |truth| _mm_movemask_ps(truth) as u32,
+    __m128d: |truth| _mm_movemask_pd(truth) as u32,
+    __m256: |truth| _mm256_movemask_ps(truth) as u32,
+    __m256d: |truth| _mm256_movemask_pd(truth) as u32,
+    __mmask16: |truth| truth.into(),
+    __mmask8: |truth| truth.into(),
+}
+
 // A selection is written in bits: the compiler knows these and makes the best of them (one `and` where one side is zero),
 // but leaves a `blendv`, which looks at signs alone, as it stands.
 lanes!(

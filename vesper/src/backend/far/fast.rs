@@ -1,10 +1,16 @@
-//! Operations of lanes that the trait has not yet; to be replaced by its own.
+//! Two operations that lanes have faster than their trait gives them: an inverse root from the processor's estimate, and a product
+//! with a sum in one rounding.
+//!
+//! In: lanes. Out: lanes. Never: another result for another lane; the same bits with AVX-512 as without it: there the estimate of 14
+//! bits is corrected once in f32 and by three terms in f64, to about one unit in the last place, elsewhere both are the exact operations.
+//! To be replaced by lanes that do so themselves.
 
-use crate::real::{Lanes, Real};
+use crate::real::Lanes;
 #[cfg(target_arch = "x86_64")]
 use core::arch::x86_64::*;
 use core::mem::{size_of, transmute_copy};
 
+/// Whether the lanes are one register of AVX-512.
 #[inline(always)]
 fn is_zmm<P, R: Lanes<P>>() -> bool {
     cfg!(target_arch = "x86_64") && size_of::<R>() == 64 && size_of::<P>() * R::WIDTH == 64
@@ -15,7 +21,8 @@ fn is_zmm<P, R: Lanes<P>>() -> bool {
 pub(super) fn rsqrt<P, R: Lanes<P>>(number: R) -> R {
     #[cfg(target_arch = "x86_64")]
     if is_zmm::<P, R>() {
-        // SAFETY: throwaway.
+        // SAFETY: lanes of 64 bytes are one AVX-512 register of numbers P (`real::x86` has no others), and exist only where the
+        // processor has the instructions; both types have that size.
         unsafe {
             if size_of::<P>() == 4 {
                 let x: __m512 = transmute_copy(&number);
@@ -43,7 +50,8 @@ pub(super) fn rsqrt<P, R: Lanes<P>>(number: R) -> R {
 pub(super) fn fused<P, R: Lanes<P>>(a: R, b: R, c: R) -> R {
     #[cfg(target_arch = "x86_64")]
     if is_zmm::<P, R>() {
-        // SAFETY: throwaway.
+        // SAFETY: lanes of 64 bytes are one AVX-512 register of numbers P (`real::x86` has no others), and exist only where the
+        // processor has the instructions; both types have that size.
         unsafe {
             if size_of::<P>() == 4 {
                 let r = _mm512_fmadd_ps(transmute_copy(&a), transmute_copy(&b), transmute_copy(&c));
@@ -55,45 +63,3 @@ pub(super) fn fused<P, R: Lanes<P>>(a: R, b: R, c: R) -> R {
     }
     a * b + c
 }
-
-/// Truth values as bits.
-#[inline(always)]
-pub(super) fn bits<P, R: Lanes<P>>(mask: R::Mask) -> u32 {
-    #[cfg(target_arch = "x86_64")]
-    if is_zmm::<P, R>() {
-        // SAFETY: throwaway.
-        unsafe {
-            return if size_of::<P>() == 4 {
-                u32::from(transmute_copy::<_, u16>(&mask))
-            } else {
-                u32::from(transmute_copy::<_, u8>(&mask))
-            };
-        }
-    }
-    let truth = R::select(mask, R::lit(1.0), R::lit(0.0));
-    let zero = R::lit(0.0);
-    let _ = zero;
-    let mut bits = 0;
-    for lane in 0..R::WIDTH {
-        // A truth value is 1 or 0, and 0 is the only number equal to its own negative in bits but for the sign.
-        bits |= u32::from(is_one::<P, R>(truth, lane)) << lane;
-    }
-    bits
-}
-
-#[inline(always)]
-fn is_one<P, R: Lanes<P>>(truth: R, lane: usize) -> bool {
-    let number = truth.lane(lane);
-    // SAFETY: throwaway.
-    unsafe {
-        if size_of::<P>() == 4 {
-            transmute_copy::<P, f32>(&number) != 0.0
-        } else {
-            transmute_copy::<P, f64>(&number) != 0.0
-        }
-    }
-}
-
-/// Of a size known: see [`Real`].
-#[allow(dead_code)]
-fn is_real<R: Real>(_: R) {}

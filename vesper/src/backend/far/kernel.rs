@@ -28,10 +28,11 @@ pub(super) struct Sources<'a, P> {
     pub(super) strength: &'a [P],
 }
 
-/// The smallest square of a distance that is told from 0: its power of -3/2 is within the range of the numbers.
+/// The smallest square of a distance that is told from 0: its power of -3/2 is within the range of the numbers, even times the strengths
+/// of all rows.
 #[inline(always)]
 pub(super) fn least_square<P: Scalar>() -> P {
-    P::from_f64(if P::EPSILON > 1e-10 { 2f64.powi(-84) } else { 2f64.powi(-600) })
+    P::from_f64(if P::EPSILON > 1e-10 { 2f64.powi(-68) } else { 2f64.powi(-600) })
 }
 
 /// Adds the field of a range of rows to the rows in lanes.
@@ -95,7 +96,6 @@ pub(super) fn add_cell<P: Scalar, R: Lanes<P>, const THIRD: bool, const POTENTIA
     centre: [P; 3],
     moments: &[P; NEAR],
 ) {
-    let m = |k: usize| R::splat(moments[k]);
     let x = [row[0] - R::splat(centre[0]), row[1] - R::splat(centre[1]), row[2] - R::splat(centre[2])];
     let r2 = fused(x[0], x[0], fused(x[1], x[1], fused(x[2], x[2], softening_squared)));
     let u = rsqrt(r2);
@@ -103,9 +103,9 @@ pub(super) fn add_cell<P: Scalar, R: Lanes<P>, const THIRD: bool, const POTENTIA
     let y = [x[0] * v, x[1] * v, x[2] * v];
     // The second degree, B.
     let b = [
-        fused(m(5), y[0], fused(m(6), y[1], m(7) * y[2])),
-        fused(m(6), y[0], fused(m(8), y[1], m(9) * y[2])),
-        fused(m(7), y[0], fused(m(9), y[1], m(10) * y[2])),
+        fused(R::splat(moments[5]), y[0], fused(R::splat(moments[6]), y[1], R::splat(moments[7]) * y[2])),
+        fused(R::splat(moments[6]), y[0], fused(R::splat(moments[8]), y[1], R::splat(moments[9]) * y[2])),
+        fused(R::splat(moments[7]), y[0], fused(R::splat(moments[9]), y[1], R::splat(moments[10]) * y[2])),
     ];
     // The third degree, C.
     let mut c = [R::lit(0.0); 3];
@@ -113,36 +113,34 @@ pub(super) fn add_cell<P: Scalar, R: Lanes<P>, const THIRD: bool, const POTENTIA
         let twice = [y[0] + y[0], y[1] + y[1]];
         let [xx, xy, xz] = [y[0] * y[0], twice[0] * y[1], twice[0] * y[2]];
         let [yy, yz, zz] = [y[1] * y[1], twice[1] * y[2], y[2] * y[2]];
-        let sum = |m: [R; 6]| {
-            fused(m[0], xx, fused(m[1], xy, fused(m[2], xz, fused(m[3], yy, fused(m[4], yz, m[5] * zz)))))
-        };
+        let products = [xx, xy, xz, yy, yz, zz];
         c = [
-            sum([m(14), m(15), m(16), m(17), m(18), m(19)]),
-            sum([m(15), m(17), m(18), m(20), m(21), m(22)]),
-            sum([m(16), m(18), m(19), m(21), m(22), m(23)]),
+            product(products, moments, [14, 15, 16, 17, 18, 19]),
+            product(products, moments, [15, 17, 18, 20, 21, 22]),
+            product(products, moments, [16, 18, 19, 21, 22, 23]),
         ];
     }
     if POTENTIAL {
         // The same polynomials, from their gradients.
-        let mut terms = fused(v, m(1) * R::lit(-1.0 / 3.0), R::lit(0.0) - m(0));
+        let mut terms = fused(v, R::splat(moments[1]) * R::lit(-1.0 / 3.0), R::lit(0.0) - R::splat(moments[0]));
         for axis in 0..3 {
-            let mut own = fused(b[axis], R::lit(0.5), m(2 + axis));
+            let mut own = fused(b[axis], R::lit(0.5), R::splat(moments[2 + axis]));
             if THIRD {
-                own = fused(c[axis], R::lit(1.0 / 3.0), fused(v, m(11 + axis), own));
+                own = fused(c[axis], R::lit(1.0 / 3.0), fused(v, R::splat(moments[11 + axis]), own));
             }
             terms = fused(y[axis], own, terms);
         }
         sums[3] = fused(u, terms, sums[3]);
         return;
     }
-    let mut s = fused(v, m(1), m(0));
+    let mut s = fused(v, R::splat(moments[1]), R::splat(moments[0]));
     let mut w = [R::lit(0.0); 3];
     for axis in 0..3 {
-        let a = m(2 + axis);
+        let a = R::splat(moments[2 + axis]);
         w[axis] = a + b[axis];
         let mut own = fused(b[axis], R::lit(-2.5), a * R::lit(-3.0));
         if THIRD {
-            let l = v * m(11 + axis);
+            let l = v * R::splat(moments[11 + axis]);
             w[axis] = w[axis] + l + c[axis];
             own = fused(c[axis], R::lit(-7.0 / 3.0), fused(l, R::lit(-5.0), own));
         }
@@ -151,4 +149,14 @@ pub(super) fn add_cell<P: Scalar, R: Lanes<P>, const THIRD: bool, const POTENTIA
     for axis in 0..3 {
         sums[axis] = fused(u, fused(v, w[axis], y[axis] * s), sums[axis]);
     }
+}
+
+/// The sum of six products, with the moments that stand at some places.
+#[inline(always)]
+fn product<P: Scalar, R: Lanes<P>>(products: [R; 6], moments: &[P; NEAR], at: [usize; 6]) -> R {
+    let mut sum = products[5] * R::splat(moments[at[5]]);
+    for k in 0..5 {
+        sum = fused(products[4 - k], R::splat(moments[at[4 - k]]), sum);
+    }
+    sum
 }

@@ -16,11 +16,11 @@
 //! `y E_k + k v E_(k-1)`.
 
 use super::fast::{fused, rsqrt};
-use super::terms::{BY_FACTORIALS, DEGREES, Order, PRODUCT, STEPS, TERMS, count, index};
+use super::terms::{BY_FACTORIALS, DEGREES, Order, PRODUCT, STEPS, TERMS, count, each_term, index};
 use crate::real::{Lanes, MAX_WIDTH, Scalar};
 
 /// Odd factorials with the sign of a derivative: `(-1)^j (2j-1)!!`.
-const ODD: [f64; 7] = [1.0, -1.0, 3.0, -15.0, 105.0, -945.0, 10395.0];
+const ODD: [f64; 6] = [1.0, -1.0, 3.0, -15.0, 105.0, -945.0];
 
 /// Adds a cell's share to the derivatives of the lanes that the mask holds for.
 #[inline(always)]
@@ -34,15 +34,15 @@ pub(super) fn add_cell<P: Scalar, R: Lanes<P>, O: Order>(
     let derivatives = derivatives::<P, R, O>(x, softening_squared, mask);
     let (sums, derivatives) = (sums.as_mut(), derivatives.as_ref());
     let moments = &moments[..count(O::MOMENTS)];
-    for n in 0..count(O::DEGREE) {
+    each_term!(N below count(O::DEGREE), {
         // The potential has one degree less than there could be: the field does not need the highest moment.
-        let terms = if n == 0 { count(O::MOMENTS) } else { count(O::DEGREE - DEGREES[n]) };
-        let mut sum = sums[n];
+        let terms = if N == 0 { count(O::MOMENTS) } else { count(O::DEGREE - DEGREES[N]) };
+        let mut sum = sums[N];
         for m in 0..terms {
-            sum = fused(derivatives[usize::from(PRODUCT[n][m])], R::splat(moments[m]), sum);
+            sum = fused(derivatives[usize::from(PRODUCT[N][m])], R::splat(moments[m]), sum);
         }
-        sums[n] = sum;
-    }
+        sums[N] = sum;
+    });
 }
 
 /// All derivatives of the softened potential of a row; 0 where the mask does not hold.
@@ -52,22 +52,32 @@ fn derivatives<P: Scalar, R: Lanes<P>, O: Order>(x: [R; 3], softening_squared: R
     let u = R::select(mask, rsqrt(r2), R::lit(0.0));
     let v = u * u;
     let y = [x[0] * v, x[1] * v, x[2] * v];
-    let times = [R::lit(0.0), v, v + v, v + v + v, v * R::lit(4.0), v * R::lit(5.0)];
+    let times = [R::lit(0.0), v, v + v, v + v + v, v * R::lit(4.0)];
     let mut all = O::all(u);
     let e = all.as_mut();
     e[0] = u * R::lit(ODD[O::DEGREE]);
-    for j in (0..O::DEGREE).rev() {
-        for k in (1..count(O::DEGREE - j)).rev() {
-            let step = STEPS[k];
-            let mut derivative = y[step.axis] * e[step.less];
-            if step.factor > 0 {
-                derivative = fused(times[step.factor], e[step.twice_less], derivative);
-            }
-            e[k] = derivative;
-        }
-        e[0] = u * R::lit(ODD[j]);
-    }
+    each_term!(@ J, O::DEGREE, {
+        each_term!(K down from count(O::DEGREE - J), {
+            derivative::<R, P, K>(e, y, &times);
+        });
+        e[0] = u * R::lit(ODD[J]);
+    }, 4 3 2 1);
+    each_term!(K down from count(O::DEGREE), {
+        derivative::<R, P, K>(e, y, &times);
+    });
+    e[0] = u;
     all
+}
+
+/// One step of the derivatives, in place.
+#[inline(always)]
+fn derivative<R: Lanes<P>, P, const K: usize>(e: &mut [R], y: [R; 3], times: &[R; 5]) {
+    let step = const { STEPS[K] };
+    let mut derivative = y[step.axis] * e[step.less];
+    if step.factor > 0 {
+        derivative = fused(times[step.factor], e[step.twice_less], derivative);
+    }
+    e[K] = derivative;
 }
 
 /// The expansions of the groups of all lanes, each number divided by its factorials.

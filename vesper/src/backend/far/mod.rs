@@ -17,6 +17,7 @@
 #![allow(dead_code, reason = "no pipeline asks for it yet")]
 
 mod accuracy;
+mod calibrate;
 mod fast;
 mod frame;
 mod kernel;
@@ -36,10 +37,12 @@ use frame::Frame;
 use moments::Moments;
 use rows::{GROUP, Groups};
 use std::sync::Mutex;
-use sum::Call;
-use terms::{Fifth, Fourth, Sixth, Third};
+use sum::{Call, Out};
+use terms::{Fifth, Fourth, Third};
 use tree::Tree;
-use walk::Opening;
+
+#[allow(unused_imports, reason = "no pipeline asks for it yet")]
+pub(crate) use accuracy::{Accuracy, Effort, pays};
 
 /// Whoever runs work on threads.
 pub(crate) trait Parts {
@@ -62,10 +65,7 @@ impl Parts for Serial {
 pub(crate) struct Far<P> {
     /// Requested: root of the mean square of the field's relative error.
     error: f64,
-    /// 3 to 6.
-    order: usize,
-    /// A cell is far where both radii together are less than so many distances.
-    opening: f64,
+    effort: Effort,
     /// Places and strengths in the units of the frame, in the order of the caller.
     places: [Vec<P>; 3],
     strength: Vec<P>,
@@ -82,11 +82,9 @@ const PART: usize = crate::real::MAX_WIDTH;
 impl<P: Scalar> Far<P> {
     /// A method of a requested error: root of the mean square, relative.
     pub(crate) fn new(error: f64) -> Self {
-        let (order, opening) = accuracy::first_guess(error);
         Far {
             error,
-            order,
-            opening,
+            effort: Effort::first(error),
             places: Default::default(),
             strength: Vec::new(),
             tree: Tree::default(),
@@ -96,14 +94,14 @@ impl<P: Scalar> Far<P> {
         }
     }
 
-    /// The order of the expansions and the opening, which together say what the error is.
-    pub(crate) fn opening(&self) -> (usize, f64) {
-        (self.order, self.opening)
+    /// What says how large the error is.
+    pub(crate) fn effort(&self) -> Effort {
+        self.effort
     }
 
-    /// Takes order and opening from another calibration.
-    pub(crate) fn set_opening(&mut self, (order, opening): (usize, f64)) {
-        (self.order, self.opening) = (order, opening);
+    /// Takes what another calibration gave.
+    pub(crate) fn set_effort(&mut self, effort: Effort) {
+        self.effort = effort;
     }
 
     /// Writes the field of every row.
@@ -116,6 +114,9 @@ impl<P: Scalar> Far<P> {
         out: [&mut [P]; 3],
         threads: &impl Parts,
     ) {
+        if strength.is_empty() {
+            return;
+        }
         let Some(frame) = self.prepare(places, strength, softening_squared) else {
             // A sum over all pairs has NaN in every row, too.
             out.into_iter().for_each(|out| out.fill(P::from_f64(f64::NAN)));
@@ -139,6 +140,9 @@ impl<P: Scalar> Far<P> {
         out: &mut [P],
         threads: &impl Parts,
     ) {
+        if strength.is_empty() {
+            return;
+        }
         let Some(frame) = self.prepare(places, strength, softening_squared) else {
             out.fill(P::from_f64(f64::NAN));
             return;
@@ -160,13 +164,16 @@ impl<P: Scalar> Far<P> {
         self.strength.extend(strength.iter().map(|&strength| frame.strength.times(strength)));
         self.tree.build(&self.places, &self.strength);
         self.groups.find(&self.tree.rows);
-        match self.order {
+        self.find_moments();
+        Some(frame)
+    }
+
+    fn find_moments(&mut self) {
+        match self.effort.degree {
             3 => self.moments.find::<Third>(&self.tree),
             4 => self.moments.find::<Fourth>(&self.tree),
-            5 => self.moments.find::<Fifth>(&self.tree),
-            _ => self.moments.find::<Sixth>(&self.tree),
+            _ => self.moments.find::<Fifth>(&self.tree),
         }
-        Some(frame)
     }
 
     fn call(&self, frame: &Frame<P>, softening_squared: P) -> Call<'_, P> {
@@ -174,7 +181,7 @@ impl<P: Scalar> Far<P> {
             tree: &self.tree,
             groups: &self.groups,
             moments: &self.moments,
-            opening: Opening { far: self.opening, near: accuracy::near_opening(self.order, self.opening) },
+            opening: self.effort.opening(),
             softening_squared: frame.square.times(softening_squared),
         }
     }
@@ -202,13 +209,14 @@ impl<P: Scalar> Far<P> {
             .collect();
         threads.run(parts.len(), &|part| {
             // Poisoned only where another part panicked, which ends the evaluation anyway.
-            let mut out = parts[part].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            let mut out: std::sync::MutexGuard<'_, Out<'_, P>> =
+                parts[part].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             let count = out[0].len() / GROUP;
             let mut list = [0; PART];
             for (group, at) in list.iter_mut().zip(part * PART..) {
                 *group = at as u32;
             }
-            call.sum::<POTENTIAL>(self.order, isa, &list[..count], &mut out);
+            call.sum::<POTENTIAL>(self.effort.degree, isa, &list[..count], &mut out);
         });
         drop(parts);
         self.sums = sums;

@@ -5,21 +5,19 @@
 
 use super::order::{self, Box3, Keyed};
 use super::tree::distance_squared;
-use crate::real::{MAX_WIDTH, Lanes, Scalar};
+use crate::real::{Lanes, MAX_WIDTH, Scalar};
 use core::ops::Range;
 
-/// Rows that are summed for together: four registers of the widest f32 lanes (measured: see the module's documentation).
-pub(super) const GROUP: usize = 64;
+/// Rows that are summed for together: two registers of the widest f32 lanes (measured: see the module's documentation).
+pub(super) const GROUP: usize = 32;
 
-/// Columns in the order of the tree.
+/// Columns in the order of the tree; behind the rows and their padding stand the sums of rows that are all at one place.
 #[derive(Debug, Default)]
 pub(super) struct Rows<P> {
     pub(super) places: [Vec<P>; 3],
     pub(super) strength: Vec<P>,
     /// Which row of the caller each one is.
     pub(super) origin: Vec<u32>,
-    /// Sums of rows at one place stand behind this many numbers.
-    padded: usize,
 }
 
 /// The numbers of one group: the middle of its box, half the box, the radius of its sphere.
@@ -73,7 +71,6 @@ impl<P: Scalar> Rows<P> {
         self.strength.resize(padded, P::from_f64(0.0));
         self.origin.clear();
         self.origin.extend(keyed.iter().map(|keyed| order::row(*keyed) as u32));
-        self.padded = padded;
     }
 
     /// Adds a row that stands for several at the same place, and says where.
@@ -88,12 +85,6 @@ impl<P: Scalar> Rows<P> {
         }
         self.strength.push(sum);
         self.strength.len() - 1
-    }
-
-    /// Whether a range of sources is such a sum, and not rows.
-    #[inline(always)]
-    pub(super) fn is_sum(&self, at: usize) -> bool {
-        at >= self.padded
     }
 }
 
@@ -114,10 +105,10 @@ impl<P: Scalar> Groups<P> {
             for row in range {
                 radius = radius.max(distance_squared(rows.place(row), centre));
             }
-            for k in 0..3 {
-                self.numbers[k].push(centre[k]);
+            for (k, &centre) in centre.iter().enumerate() {
+                self.numbers[k].push(centre);
                 // The middle is rounded: the farther side counts.
-                self.numbers[3 + k].push((around.high[k] - centre[k]).max(centre[k] - around.low[k]));
+                self.numbers[3 + k].push((around.high[k] - centre).max(centre - around.low[k]));
             }
             self.numbers[6].push(radius.sqrt());
         }

@@ -7,7 +7,7 @@
 //! harmonic, and the series in the softened distance is exact for any.
 
 /// The highest order.
-pub(super) const HIGHEST: usize = 6;
+pub(super) const HIGHEST: usize = 5;
 /// Terms up to that order.
 pub(super) const TERMS: usize = count(HIGHEST);
 
@@ -116,7 +116,7 @@ pub(super) const STEPS: [Step; TERMS] = {
 
 /// One over the factorials of the powers of each term.
 pub(super) const BY_FACTORIALS: [f64; TERMS] = {
-    let factorial = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0];
+    let factorial = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0];
     let mut by = [0.0; TERMS];
     let mut k = 0;
     while k < TERMS {
@@ -162,6 +162,28 @@ orders! {
     Fourth 4,
     /// Fifth derivatives, moments of the fourth degree.
     Fifth 5,
-    /// Sixth derivatives, moments of the fifth degree.
-    Sixth 6,
 }
+
+/// Writes a body out once for each term below a number that is known when a body is compiled for an order: then no number is fetched
+/// through a table, and most derivatives stay in registers (measured: a third of the time of a loop).
+macro_rules! each_term {
+    ($k:ident below $count:expr, $body:block) => {
+        $crate::backend::far::terms::each_term! { @ $k, $count, $body,
+            0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34 35 36 37
+            38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55
+        }
+    };
+    ($k:ident down from $count:expr, $body:block) => {
+        $crate::backend::far::terms::each_term! { @ $k, $count, $body,
+            55 54 53 52 51 50 49 48 47 46 45 44 43 42 41 40 39 38 37 36 35 34 33 32 31 30 29 28 27 26 25 24 23 22 21
+            20 19 18 17 16 15 14 13 12 11 10 9 8 7 6 5 4 3 2 1
+        }
+    };
+    (@ $k:ident, $count:expr, $body:block, $($number:literal)+) => {$(
+        {
+            const $k: usize = $number;
+            if $k < $count $body
+        }
+    )+};
+}
+pub(super) use each_term;

@@ -11,15 +11,21 @@ use super::rows::Rows;
 use crate::real::Scalar;
 
 /// Cells of no more rows are not divided (measured: see the module's documentation).
-pub(super) const LEAF: usize = 24;
+pub(super) const LEAF: usize = 48;
 
 /// A cell: a range of rows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell<P> {
-    /// The middle of the box.
+    /// The mean of its rows' places, by the magnitude of their strengths.
     pub(super) centre: [P; 3],
     /// A distance from there that no row is beyond.
     pub(super) radius: P,
+    /// The sum of the magnitudes of the strengths.
+    pub(super) weight: P,
+    /// The sum of the strengths.
+    pub(super) strength: P,
+    /// The mean of the fourth power of the rows' distances from the centre, its fourth root: what the terms left out go by.
+    pub(super) size: P,
     pub(super) start: u32,
     pub(super) end: u32,
     /// The next cell that is not inside this one.
@@ -66,7 +72,17 @@ impl<P: Scalar> Tree<P> {
         while let Some((start, end)) = pending.pop() {
             let nothing = P::from_f64(0.0);
             let [start_, end_] = [start, end].map(|row| row as u32);
-            let cell = Cell { centre: [nothing; 3], radius: nothing, start: start_, end: end_, next: 0, point: 0 };
+            let cell = Cell {
+                centre: [nothing; 3],
+                radius: nothing,
+                weight: nothing,
+                strength: nothing,
+                size: nothing,
+                start: start_,
+                end: end_,
+                next: 0,
+                point: 0,
+            };
             self.cells.push(cell);
             if end - start <= LEAF {
                 continue;
@@ -106,50 +122,126 @@ impl<P: Scalar> Tree<P> {
         }
     }
 
-    /// Finds boxes and radii, the inner cells first.
+    /// Finds boxes, centres and sizes, the inner cells first.
     fn bound(&mut self) {
-        let whole = Box3::at([P::from_f64(0.0); 3]);
         self.boxes.clear();
-        self.boxes.resize(self.cells.len(), whole);
+        self.boxes.resize(self.cells.len(), Box3::at([P::from_f64(0.0); 3]));
         for at in (0..self.cells.len()).rev() {
-            let cell = self.cells[at];
-            let range = cell.start as usize..cell.end as usize;
+            let mut cell = self.cells[at];
             let is_leaf = cell.next as usize == at + 1;
-            let mut around = if is_leaf { Box3::at(self.rows.place(range.start)) } else { self.boxes[at + 1] };
             if is_leaf {
-                for row in range.clone() {
-                    around.hold(Box3::at(self.rows.place(row)));
-                }
+                self.bound_leaf(&mut cell, at)
             } else {
-                let mut inner = at + 1;
-                while inner < cell.next as usize {
-                    around.hold(self.boxes[inner]);
-                    inner = self.cells[inner].next as usize;
-                }
+                self.bound_outer(&mut cell, at)
             }
-            self.boxes[at] = around;
-            let centre = around.centre();
-            let mut radius = P::from_f64(0.0);
-            if is_leaf {
-                for row in range {
-                    radius = radius.max(distance_squared(self.rows.place(row), centre));
-                }
-                radius = radius.sqrt();
-            } else {
-                let mut inner = at + 1;
-                while inner < cell.next as usize {
-                    let cell = &self.cells[inner];
-                    radius = radius.max(distance_squared(cell.centre, centre).sqrt() + cell.radius);
-                    inner = cell.next as usize;
-                }
-                // The corner of the box may be nearer than the farthest point of the spheres inside.
-                radius = radius.min(distance_squared(around.high, centre).sqrt());
-            }
-            let cell = &mut self.cells[at];
-            (cell.centre, cell.radius) = (centre, radius);
             if is_leaf && cell.count() > LEAF {
                 cell.point = self.rows.sum_up(cell.start as usize..cell.end as usize) as u32;
             }
+            self.cells[at] = cell;
+        }
+    }
+
+    /// A cell of rows.
+    fn bound_leaf(&mut self, cell: &mut Cell<P>, at: usize) {
+        let rows = cell.start as usize..cell.end as usize;
+        let mut around = Box3::at(self.rows.place(rows.start));
+        for row in rows.clone() {
+            around.hold(Box3::at(self.rows.place(row)));
+        }
+        let mut middle = Middle::new(around.low);
+        for row in rows.clone() {
+            let strength = self.rows.strength[row];
+            cell.strength += strength;
+            middle.add(self.rows.place(row), strength.abs());
+        }
+        (cell.weight, cell.centre) = (middle.weight, middle.place(around));
+        let nothing = P::from_f64(0.0);
+        let (mut farthest, mut fourths) = (nothing, nothing);
+        for row in rows {
+            let d2 = distance_squared(self.rows.place(row), cell.centre);
+            farthest = farthest.max(d2);
+            fourths += self.rows.strength[row].abs() * (d2 * d2);
+        }
+        cell.radius = farthest.sqrt();
+        cell.take_size(fourths);
+        self.boxes[at] = around;
+    }
+
+    /// A cell of cells.
+    fn bound_outer(&mut self, cell: &mut Cell<P>, at: usize) {
+        let mut around = self.boxes[at + 1];
+        let mut inner = at + 1;
+        while inner < cell.next as usize {
+            around.hold(self.boxes[inner]);
+            inner = self.cells[inner].next as usize;
+        }
+        let mut middle = Middle::new(around.low);
+        inner = at + 1;
+        while inner < cell.next as usize {
+            let own = &self.cells[inner];
+            cell.strength += own.strength;
+            middle.add(own.centre, own.weight);
+            inner = own.next as usize;
+        }
+        (cell.weight, cell.centre) = (middle.weight, middle.place(around));
+        let nothing = P::from_f64(0.0);
+        let (mut radius, mut fourths) = (nothing, nothing);
+        inner = at + 1;
+        while inner < cell.next as usize {
+            let own = &self.cells[inner];
+            let (a, b) = (distance_squared(own.centre, cell.centre), own.size * own.size);
+            radius = radius.max(a.sqrt() + own.radius);
+            // |a + b|^4, over all directions of b: a^4 + 10/3 a^2 b^2 + b^4.
+            fourths += own.weight * (a * a + P::from_f64(10.0 / 3.0) * a * b + b * b);
+            inner = own.next as usize;
+        }
+        // The farthest corner of the box may be nearer than the farthest point of the spheres inside.
+        let mut corner = nothing;
+        for k in 0..3 {
+            let side = (around.high[k] - cell.centre[k]).max(cell.centre[k] - around.low[k]);
+            corner += side * side;
+        }
+        cell.radius = radius.min(corner.sqrt());
+        cell.take_size(fourths);
+        self.boxes[at] = around;
+    }
+}
+
+impl<P: Scalar> Cell<P> {
+    fn take_size(&mut self, fourths: P) {
+        // Without a strength there is nothing that has a size.
+        let nothing = P::from_f64(0.0);
+        self.size = if self.weight > nothing { (fourths / self.weight).sqrt().sqrt() } else { nothing };
+    }
+}
+
+/// The mean of places by the magnitude of strengths. It makes the dipole 0 where strengths have one sign, and a concentrated cell
+/// smaller than the middle of its box would.
+struct Middle<P> {
+    origin: [P; 3],
+    sums: [P; 3],
+    weight: P,
+}
+
+impl<P: Scalar> Middle<P> {
+    fn new(origin: [P; 3]) -> Self {
+        let nothing = P::from_f64(0.0);
+        Middle { origin, sums: [nothing; 3], weight: nothing }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, place: [P; 3], weight: P) {
+        self.weight += weight;
+        for ((sum, place), origin) in self.sums.iter_mut().zip(place).zip(self.origin) {
+            *sum += weight * (place - origin);
+        }
+    }
+
+    fn place(&self, around: Box3<P>) -> [P; 3] {
+        if self.weight > P::from_f64(0.0) {
+            [0, 1, 2].map(|k| self.origin[k] + self.sums[k] / self.weight)
+        } else {
+            around.centre()
         }
     }
 }
