@@ -23,7 +23,7 @@ const ENOUGH: f64 = 0.55;
 /// Measurements at most.
 const TRIALS: usize = 8;
 /// The error goes about with this power of what is allowed.
-const POWER: f64 = 0.75;
+const POWER: f64 = 0.68;
 /// The part of the sum of all magnitudes that an error is compared with, where the shares cancel to less.
 const CANCELLED: f64 = 1e-3;
 
@@ -66,7 +66,8 @@ impl<P: Scalar> Far<P> {
                     break;
                 }
             } else {
-                if let Some((larger, before)) = above
+                if below.is_none()
+                    && let Some((larger, before)) = above
                     && larger > 3.0 * allowed
                     && before.measured < 1.3 * found.measured
                 {
