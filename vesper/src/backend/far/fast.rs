@@ -8,12 +8,14 @@
 use crate::real::Lanes;
 #[cfg(target_arch = "x86_64")]
 use core::arch::x86_64::*;
-use core::mem::{size_of, transmute_copy};
+#[cfg(target_arch = "x86_64")]
+use core::mem::transmute_copy;
 
 /// Whether the lanes are one register of AVX-512.
+#[cfg(target_arch = "x86_64")]
 #[inline(always)]
 fn is_zmm<P, R: Lanes<P>>() -> bool {
-    cfg!(target_arch = "x86_64") && size_of::<R>() == 64 && size_of::<P>() * R::WIDTH == 64
+    size_of::<R>() == 64 && size_of::<P>() * R::WIDTH == 64
 }
 
 /// One over the square root.
