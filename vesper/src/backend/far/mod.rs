@@ -2,8 +2,8 @@
 //!
 //! In: places, a strength for each row, a softening, a requested error. Out: for every row the field
 //! `sum of s_j (x_j - x_i) / (|x_j - x_i|^2 + e^2)^(3/2)` over all others, or the potential `sum of s_j / (|x_j - x_i|^2 + e^2)^(1/2)`.
-//! Never: a pair of rows that are at the same place; a result that depends on the number of threads, on the width of the lanes, or on
-//! an evaluation before, unless [`Far::calibrate`] is called.
+//! Never: a pair of rows that are at the same place; a result that depends on the number of threads, or on an evaluation
+//! before, unless [`Far::calibrate`] is called. Its last bits depend on the instruction set, as long as [`fast`] does.
 //!
 //! The rows are sorted along a curve ([`order`]) and divided into cells ([`tree`]), which have moments ([`moments`]). Each 32
 //! consecutive rows are a group. A walk ([`walk`]) tells for each group the cells that are far, whose potential is expanded once for the
