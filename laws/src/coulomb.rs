@@ -33,6 +33,10 @@ impl<R: Real> PairLaw<R> for Coulomb<R> {
         let r2 = (i.position - j.position).length_squared() + self.softening * self.softening;
         self.k * i.charge * j.charge / r2.sqrt()
     }
+
+    fn inverse_square(&self, row: CoulombRow<R>) -> InverseSquare<R> {
+        InverseSquare { source: row.charge, response: -self.k * row.charge, softening: self.softening }
+    }
 }
 
 #[cfg(test)]

@@ -35,6 +35,10 @@ impl<R: Real> PairLaw<R> for Gravity<R> {
         let r2 = (j.position - i.position).length_squared() + self.softening * self.softening;
         -self.g * i.mass * j.mass / r2.sqrt()
     }
+
+    fn inverse_square(&self, row: GravityRow<R>) -> InverseSquare<R> {
+        InverseSquare { source: row.mass, response: self.g * row.mass, softening: self.softening }
+    }
 }
 
 #[cfg(test)]

@@ -63,10 +63,11 @@ fn expand(item: &mut ItemImpl) -> syn::Result<TokenStream> {
     let number = number(item, &trait_segment, shape)?;
     let kernel = (*item.self_ty).clone();
     let concrete = concrete(&kernel, &number)?;
-    let mut energy = false;
+    let (mut energy, mut inverse_square) = (false, false);
     for member in &mut item.items {
         if let ImplItem::Fn(function) = member {
             energy |= function.sig.ident == "energy";
+            inverse_square |= function.sig.ident == "inverse_square";
             if shape != Shape::Column && !function.attrs.iter().any(|attribute| attribute.path().is_ident("inline")) {
                 function.attrs.push(parse_quote!(#[inline(always)]));
             }
@@ -89,12 +90,14 @@ fn expand(item: &mut ItemImpl) -> syn::Result<TokenStream> {
     let compile_double_double = compile(quote!(::vesper::real::DoubleDouble));
     let stepped = stepped(shape, &trait_segment, &concrete);
     let energy = (shape != Shape::Column).then(|| quote!(const ENERGY: bool = #energy;));
+    let inverse_square = (shape == Shape::Pair).then(|| quote!(const INVERSE_SQUARE: bool = #inverse_square;));
     let checks = [unnamed_number(&concrete, &number), link_of(&trait_segment, &concrete, &number, &ends)];
     Ok(quote! {
         #[automatically_derived]
         impl ::vesper::law::#family for #concrete {
             type Kernel<#number: ::vesper::real::#bound> = #kernel;
             #energy
+            #inverse_square
             fn kernel<#number: ::vesper::real::#bound>(&self) -> #kernel {
                 <Self as ::vesper::law::Law>::body::<#number>(self)
             }

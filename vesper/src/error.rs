@@ -251,6 +251,8 @@ pub enum Fault {
     NotAsSaid { law: String, word: PairWord },
     #[error("{law} has no cut-off that neighbours can be found within: {reason}")]
     Cutoff { law: String, reason: String },
+    #[error("{law} has no far field: {reason}")]
+    FarField { law: String, reason: String },
     #[error("the checkpoint does not fit: {reason}")]
     Checkpoint { reason: String },
 }
@@ -262,6 +264,8 @@ pub enum PairWord {
     TranslationInvariant,
     /// Row j loses what row i gets.
     Antisymmetric,
+    /// What a pair gives has the form of inverse squares that it says.
+    InverseSquare,
 }
 
 impl core::fmt::Display for PairWord {
@@ -269,6 +273,7 @@ impl core::fmt::Display for PairWord {
         f.write_str(match self {
             PairWord::TranslationInvariant => "translation_invariant",
             PairWord::Antisymmetric => "antisymmetric",
+            PairWord::InverseSquare => "inverse_square",
         })
     }
 }
@@ -281,6 +286,9 @@ impl PairWord {
             }
             PairWord::Antisymmetric => {
                 "but what row j does to row i is not the opposite of what row i does to row j: give i and j opposite shares"
+            }
+            PairWord::InverseSquare => {
+                "but `pair` gives something else than response_i source_j d / (d^2 + softening^2)^(3/2), d = x_j - x_i: make them agree"
             }
         }
     }

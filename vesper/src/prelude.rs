@@ -11,7 +11,7 @@ pub use crate::integrate::{
     Quantity, Register, Respa, RungeKutta4, SemiImplicitEuler, StableLimits, StableStep, Structure, Symplectic4,
     Symplectic6, Symplectic8, System, Terms, Tolerance,
 };
-pub use crate::law::{ColumnLaw, DynLaw, Law, LinkLaw, PairLaw, RowLaw, Signature};
+pub use crate::law::{ColumnLaw, DynLaw, InverseSquare, Law, LinkLaw, PairLaw, RowLaw, Signature};
 pub use crate::pipeline;
 pub use crate::property::*;
 pub use crate::real::{DoubleDouble, Real, Scalar as Precision, Vector as _};

@@ -38,6 +38,7 @@ pub(super) fn law<P: CatalogPrecision>(notes: &mut Notes<'_>, request: &LawReque
         enabled: request.enabled,
         required: false,
         backend: backend?,
+        far_field: request.far_field,
     };
     Some((law.compile::<P>(&values?), options))
 }
@@ -49,7 +50,7 @@ fn parameters(notes: &mut Notes<'_>, request: &LawRequest, law: &StockLaw) -> Op
     for (index, given) in request.parameters.iter().enumerate() {
         let known = || law.signature.parameters.iter().map(|parameter| parameter.name);
         if !known().any(|known| known == given.name.value) {
-            let own = ["domain", "label", "backend", "every", "enabled"];
+            let own = ["domain", "label", "backend", "every", "enabled", "far_field"];
             let help = match law.signature.parameters.len() {
                 0 => Some(format!("`{name}` has no parameters")),
                 _ => help_for(&given.name.value, known().chain(own)),

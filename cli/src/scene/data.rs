@@ -246,6 +246,8 @@ pub struct LawRequest {
     pub backend: Option<Spanned<BackendChoice>>,
     /// Evaluate on every k-th step, at least 1.
     pub every: Option<Spanned<usize>>,
+    /// The error that far rows may be summed together with.
+    pub far_field: Option<f64>,
     /// Whether it is switched on; default true.
     pub enabled: bool,
     /// Where the entry begins.

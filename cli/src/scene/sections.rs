@@ -198,7 +198,7 @@ fn field_box(walk: &mut Walk, node: &Node) -> Option<FieldBox> {
 }
 
 /// Keys of `[[laws]]` that are no parameters.
-pub(crate) const LAW: [&str; 6] = ["name", "domain", "label", "backend", "every", "enabled"];
+pub(crate) const LAW: [&str; 7] = ["name", "domain", "label", "backend", "every", "enabled", "far_field"];
 
 /// `[[laws]]`.
 pub(crate) fn laws(walk: &mut Walk, node: &Node) -> Vec<LawRequest> {
@@ -251,6 +251,18 @@ fn law(walk: &mut Walk, node: &Node) -> Option<LawRequest> {
     let backend = table.get("backend").and_then(|backend| walk.choice(backend, &BACKENDS));
     let every = table.get("every").and_then(|every| walk.count_from(every, 1));
     let enabled = table.get("enabled").is_none_or(|enabled| walk.flag(enabled).is_none_or(|flag| flag.value));
+    let far_field = table.get("far_field").and_then(|far| far_field(walk, far));
     let name = walk.required(table, "name", node.span, "a law").and_then(|name| walk.text(name))?;
-    whole.then_some(LawRequest { name, domain, label, parameters, backend, every, enabled, span: node.span })
+    whole.then_some(LawRequest { name, domain, label, parameters, backend, every, far_field, enabled, span: node.span })
+}
+
+/// `{ method = "multipole", error = 1e-4 }`: the error.
+fn far_field(walk: &mut Walk, node: &Node) -> Option<f64> {
+    let table = walk.table(node, "a table such as `{ method = \"multipole\", error = 1e-4 }`")?;
+    walk.known_keys(table, "far_field", &["method", "error"]);
+    let method = walk
+        .required(table, "method", node.span, "a far field")
+        .and_then(|method| walk.choice(method, &[("multipole", ())]));
+    let error = walk.required(table, "error", node.span, "a far field").and_then(|error| walk.number(error));
+    method.and(error)
 }

@@ -25,4 +25,8 @@ impl<R: Real> PairLaw<R> for Gravity<R> {
         let r2 = d.length_squared() + self.softening * self.softening;
         d * (self.g * i.mass * j.mass).over_root_cubed(r2)
     }
+
+    fn inverse_square(&self, row: GravityRow<R>) -> InverseSquare<R> {
+        InverseSquare { source: row.mass, response: self.g * row.mass, softening: self.softening }
+    }
 }

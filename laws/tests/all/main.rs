@@ -8,6 +8,7 @@ mod choice;
 mod conservation;
 mod derivatives;
 mod differences;
+mod far_field;
 mod implicit;
 mod jumps;
 mod kepler;

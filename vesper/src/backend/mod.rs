@@ -21,6 +21,7 @@ pub use pair::pair;
 pub use row::row;
 
 pub(crate) use column::ColumnKernel;
+pub(crate) use far::{Accuracy, Effort, Far, Parts, pays as far_pays};
 pub(crate) use link::{LinkCall, LinkKernel, Links, Strided};
 pub(crate) use near::{Lists, Reach as ListReach, Unfit};
 pub(crate) use pair::{BLOCK, PAYS, PairCall, PairKernel, Tally, box_slot, coordinate_slots, distance_slot, rounds};

@@ -77,6 +77,18 @@ pub(crate) trait PairKernel<P: Scalar>: Send + Sync {
     /// # Safety
     /// As for `run`; the call begins and ends at multiples of 64; the tally has numbers for its rows, which nobody else touches.
     unsafe fn give(&self, isa: Isa, call: &PairCall<'_, P>, tally: &Tally<P>);
+    /// Whether the law says that it has the form of inverse squares.
+    fn is_inverse_square(&self) -> bool;
+    /// That form, of all rows of the call: sources and responses; the softening of the first row.
+    ///
+    /// # Safety
+    /// As for `run`; there is a place for a source and a response of each row.
+    unsafe fn inverse_square(&self, call: &PairCall<'_, P>, source: *mut P, response: *mut P) -> P;
+    /// Whether pairs of the first rows give what that form says.
+    ///
+    /// # Safety
+    /// As for `run`.
+    unsafe fn is_as_inverse_square(&self, call: &PairCall<'_, P>) -> bool;
     /// Whether the law gives the same where it is told differences of coordinates only, as it says.
     ///
     /// # Safety
@@ -253,6 +265,32 @@ impl<P: Scalar, F: PairFamily> PairKernel<P> for F {
         if const { F::SIGNATURE.estimates && F::SIGNATURE.antisymmetric } {
             P::with_lanes(isa, Give::<P, F> { call, tally, law: PhantomData });
         }
+    }
+
+    fn is_inverse_square(&self) -> bool {
+        const { F::INVERSE_SQUARE && added(&F::SIGNATURE) == 3 && distance_slot(F::SIGNATURE.ports).is_some() }
+    }
+
+    unsafe fn inverse_square(&self, call: &PairCall<'_, P>, source: *mut P, response: *mut P) -> P {
+        // SAFETY: the caller promises the slots.
+        let slots = unsafe { Pairs::<P, F>::slots(call.slots) };
+        let law = self.kernel::<P>();
+        let mut softening = P::default();
+        for row in call.rows.clone() {
+            // SAFETY: the caller promises the rows.
+            let form = law.inverse_square(load::<F, P>(unsafe { Rows::<P>::new(&slots, row) }));
+            // SAFETY: the caller promises the places.
+            unsafe { (*source.add(row), *response.add(row)) = (form.source, form.response) };
+            if row == call.rows.start {
+                softening = form.softening;
+            }
+        }
+        softening
+    }
+
+    unsafe fn is_as_inverse_square(&self, call: &PairCall<'_, P>) -> bool {
+        // SAFETY: the caller promises the same.
+        unsafe { near::is_as_inverse_square(self, call) }
     }
 
     unsafe fn is_invariant(&self, call: &PairCall<'_, P>) -> bool {

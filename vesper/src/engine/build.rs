@@ -81,6 +81,14 @@ impl<L> Configured<L> {
         self.with(|options| options.backend = backend)
     }
 
+    /// Sums far rows together, with a relative error of each row's sum whose root mean square is this one: measured for a sample
+    /// of rows when the engine is built, and shown by `Engine::explain`. For laws that say `inverse_square`, as gravity does; few
+    /// rows, which all pairs are faster for, are not touched.
+    #[must_use]
+    pub fn far_field(self, error: f64) -> Self {
+        self.with(|options| options.far_field = Some(error))
+    }
+
     /// Is switched off at first.
     #[must_use]
     pub fn off(self) -> Self {
@@ -115,6 +123,10 @@ pub trait Configure: Compile + Sized {
     /// Runs there; else where its size says.
     fn backend(self, backend: Backend) -> Configured<Self> {
         self.configured().backend(backend)
+    }
+    /// Sums far rows together, with this relative error; see [`Configured::far_field`].
+    fn far_field(self, error: f64) -> Configured<Self> {
+        self.configured().far_field(error)
     }
     /// Is switched off at first.
     fn off(self) -> Configured<Self> {

@@ -14,7 +14,9 @@ pub use access::{Declared, Sink, Source, read, read_optional, slots, write};
 pub(crate) use columns::PortView;
 pub use columns::{ColumnAccess, DeclaredColumns, LinkSlice, Slice, SliceMut};
 pub use dynamic::{DynLaw, DynLawBuilder, DynRow};
-pub use shape::{ColumnFamily, ColumnLaw, LinkFamily, LinkLaw, PairFamily, PairLaw, RowFamily, RowLaw, Stepped};
+pub use shape::{
+    ColumnFamily, ColumnLaw, InverseSquare, LinkFamily, LinkLaw, PairFamily, PairLaw, RowFamily, RowLaw, Stepped,
+};
 pub use signature::{Mode, Parameter, Part, Place, Port, Shape, Signature};
 
 use crate::real::Real;

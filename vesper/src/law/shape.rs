@@ -32,6 +32,23 @@ pub trait PairLaw<R: Real>: Declared<R> {
     fn energy(&self, _i: Self::Row, _j: Self::Row) -> R {
         R::lit(0.0)
     }
+    /// The form of a law of inverse squares, of which [`Configure::far_field`](crate::engine::Configure::far_field) sums far rows
+    /// together. It says what `pair` gives; where it does not, a far field is refused.
+    fn inverse_square(&self, _row: Self::Row) -> InverseSquare<R> {
+        InverseSquare { source: R::lit(0.0), response: R::lit(0.0), softening: R::lit(0.0) }
+    }
+}
+
+/// How a row takes part in a law of inverse squares: row j adds `response_i source_j d / (|d|^2 + softening^2)^(3/2)` to row i, where
+/// `d` is `x_j - x_i` and the softening that of all rows; the energy of the two is `-response_i source_j / (|d|^2 + softening^2)^(1/2)`.
+#[derive(Clone, Copy, Debug)]
+pub struct InverseSquare<R> {
+    /// What it does to others.
+    pub source: R,
+    /// What others do to it.
+    pub response: R,
+    /// The softening length, in the unit of the coordinate.
+    pub softening: R,
 }
 
 /// A body for one row that links to `N` rows of another domain.
@@ -74,6 +91,8 @@ pub trait RowFamily: Law {
 pub trait PairFamily: Law {
     /// The body over the numbers `R`.
     type Kernel<R: Real>: PairLaw<R> + Send + Sync;
+    /// Whether the body has the form of inverse squares.
+    const INVERSE_SQUARE: bool;
     /// Whether the body knows its energy.
     const ENERGY: bool;
     /// The body over the numbers `R`.

@@ -126,7 +126,9 @@ impl<P: Scalar> Pipeline<P> {
                 let laws = if laws.is_empty() { "start of sums".to_owned() } else { laws };
                 format!("rows: {laws} ({loops}{})", threads(group.threads()))
             }
-            Pass::Pair(pair) => format!("pairs: {laws} ({} rows{})", pair.rows, threads(pair.threads)),
+            Pass::Pair(pair) => {
+                format!("pairs: {laws} ({} rows{}{})", pair.rows, pair.way(), threads(pair.threads))
+            }
             Pass::Link(link) => format!("links: {laws} ({} links{})", link.links, threads(link.threads)),
             Pass::Column(_) => format!("columns: {laws}"),
             Pass::Axpy { .. } => "states advance by their rates".to_owned(),

@@ -12,6 +12,7 @@ mod chain;
 mod columns;
 mod dot;
 mod explain;
+mod far_field;
 mod group;
 mod linear;
 mod linearised;
@@ -37,11 +38,12 @@ pub(crate) use chain::FusedChain;
 pub use chain::{Chain, ChainPart, Chained, Layout, List, Registers};
 pub(crate) use plan::Key;
 use plan::Plan;
+use run::Context;
 pub(crate) use run::{Runner, Watch};
 pub(crate) use tangent::Tangent;
 pub(crate) use vectors::{Vectors, lent_columns};
 
-use crate::backend::Compiled;
+use crate::backend::{Compiled, Kernel};
 use crate::error::{Fault, Faults, PairWord};
 use crate::graph::Graph;
 use crate::integrate::{Integrator, Structure};
@@ -150,6 +152,7 @@ impl<P: Scalar> Pipeline<P> {
         let mut structure = structure(&entries, &registry, &graph, &turnings, state);
         structure.parameters = parameters(laws, &registry);
         integrator.accept(&structure)?;
+        Self::check_far_fields(&entries, laws)?;
         // Results of laws that no longer run must not be taken for results.
         for (index, domain) in state.domains.iter_mut().enumerate() {
             domain.columns.retain(|column| column.given || registry.find(index, column.info.name).is_some());
@@ -204,6 +207,7 @@ impl<P: Scalar> Pipeline<P> {
         pipeline.programs =
             plans.into_iter().map(|plan| program(plan, laws, chains, &pipeline, state, machine)).collect();
         pipeline.check_pairs()?;
+        pipeline.calibrate(&Context::new((laws, chains, machine), &state.fields, &[], 0.0));
         if integrator.needs_derivatives() {
             pipeline.tangent = Some(Box::new(Tangent::new(&pipeline, laws, state)));
         }
@@ -227,16 +231,47 @@ impl<P: Scalar> Pipeline<P> {
             if !pair.is_antisymmetric() {
                 broken.push((pair.law, PairWord::Antisymmetric));
             }
+            if !pair.is_as_inverse_square() {
+                broken.push((pair.law, PairWord::InverseSquare));
+            }
             let signature = &self.entries[pair.law].signature;
             faults.extend(neighbours::fault(pair, signature).map(|reason| (pair.law, reason)));
         }
         broken.sort_unstable();
         broken.dedup();
         let label = |law: usize| self.entries[law].label().to_owned();
-        Faults::unless_empty(
-            broken.into_iter().map(|(law, word)| Fault::NotAsSaid { law: label(law), word }).collect(),
-            (),
-        )
+        faults.sort_unstable();
+        faults.dedup();
+        let faults = faults.into_iter().map(|(law, reason)| Fault::Cutoff { law: label(law), reason });
+        let broken = broken.into_iter().map(|(law, word)| Fault::NotAsSaid { law: label(law), word });
+        Faults::unless_empty(broken.chain(faults).collect(), ())
+    }
+
+    /// Whether laws that far fields are asked of have any.
+    fn check_far_fields(entries: &[Entry], laws: &[Listed<P>]) -> Result<(), Faults> {
+        let fault = |(entry, law): (&Entry, &Listed<P>)| {
+            let is_inverse_square = match &law.compiled.kernel {
+                Kernel::Pair(kernel) => kernel.is_inverse_square(),
+                Kernel::Row(_) | Kernel::Link(_) | Kernel::Column(_) => false,
+            };
+            let reason =
+                far_field::fault(entry.options.far_field?, is_inverse_square, entry.signature.cutoff.is_some())?;
+            Some(Fault::FarField { law: entry.label().to_owned(), reason })
+        };
+        Faults::unless_empty(entries.iter().zip(laws).filter_map(fault).collect(), ())
+    }
+
+    /// Has the efforts of far fields fit the errors that are asked for, for the rows as they are now. Where memory is lent, which
+    /// nobody has yet, they are first guesses.
+    fn calibrate(&mut self, context: &Context<'_, P>) {
+        let mut known: Vec<(usize, far_field::Fit)> = Vec::new();
+        for bound in self.programs.iter_mut().flat_map(|program| &mut program.passes) {
+            let bind::Pass::Pair(pass) = &mut bound.pass else { continue };
+            let before = known.iter().find(|(law, _)| *law == pass.law).map(|(_, fit)| *fit);
+            if let Some(fit) = far_field::calibrate(pass, context, before) {
+                known.push((pass.law, fit));
+            }
+        }
     }
 
     /// Whether a law is of pairs, and looks at differences of coordinates only.

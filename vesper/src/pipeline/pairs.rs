@@ -56,6 +56,28 @@ impl<P: Scalar> PairPass<P> {
         self.rests.is_empty() || unsafe { self.kernel.is_invariant(&self.all()) }
     }
 
+    /// How pairs are found, for `explain`.
+    pub(super) fn way(&self) -> String {
+        if let Some(far) = &self.far {
+            let found = match far.accuracy {
+                Some(found) => format!(", measured {:.1e}, at most {:.1e}", found.measured, found.largest),
+                None => String::new(),
+            };
+            return format!(", far ones together, error {:e}{found}", far.requested());
+        }
+        match (&self.near, &self.once) {
+            (Some(_), _) => ", lists of neighbours".to_owned(),
+            (None, Some(_)) => ", each pair once".to_owned(),
+            (None, None) => String::new(),
+        }
+    }
+
+    /// Whether pairs have the form of inverse squares, where that counts.
+    pub(super) fn is_as_inverse_square(&self) -> bool {
+        // SAFETY: as above.
+        self.far.is_none() || unsafe { self.kernel.is_as_inverse_square(&self.all()) }
+    }
+
     /// Whether row j loses what row i gets, where that counts.
     pub(super) fn is_antisymmetric(&self) -> bool {
         // SAFETY: as above.
@@ -73,6 +95,9 @@ pub(super) fn run<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -
         return energy(pass, context);
     }
     context.timed(pass.law, || {
+        if pass.far.is_some() {
+            return super::far_field::run(pass, context);
+        }
         if super::neighbours::follow(pass, context) {
             return super::neighbours::run(pass, context);
         }
@@ -96,7 +121,9 @@ pub(super) fn run<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -
 }
 
 fn energy<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 {
-    let energy = if super::neighbours::follow(pass, context) {
+    let energy = if pass.far.is_some() {
+        super::far_field::energy(pass, context)
+    } else if super::neighbours::follow(pass, context) {
         super::neighbours::energy(pass)
     } else {
         // SAFETY: the slots have a number for every row.

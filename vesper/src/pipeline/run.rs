@@ -44,7 +44,30 @@ impl Watch {
     }
 }
 
-impl<P: Scalar> Context<'_, P> {
+impl<'a, P: Scalar> Context<'a, P> {
+    /// For laws on a state with these fields and this lent memory, at this time.
+    pub(crate) fn new(
+        (laws, chains, machine): (&'a [Listed<P>], &'a [FusedChain<P>], &'a Machine),
+        fields: &'a [(PropertyInfo, Arc<dyn Field<P>>)],
+        lent: &'a [*mut P],
+        time: f64,
+    ) -> Self {
+        Context {
+            laws,
+            chains,
+            fields,
+            lent,
+            isa: machine.isa,
+            machine,
+            time: P::from_f64(time),
+            steps: [P::default(); 2],
+            rates: 0,
+            phase: Phase::Free,
+            watch: None,
+            looks: machine.probe.is_some(),
+        }
+    }
+
     /// Whether laws need not be told apart while they run.
     #[inline(always)]
     pub(crate) fn is_unwatched(&self) -> bool {
@@ -165,20 +188,7 @@ impl<'a, P: Scalar> Runner<'a, P> {
         if !lent.is_empty() {
             pipeline.forget_addresses();
         }
-        let context = Context {
-            laws,
-            chains,
-            fields: &state.fields,
-            lent,
-            isa: machine.isa,
-            machine,
-            time: P::from_f64(time),
-            steps: [P::default(); 2],
-            rates: 0,
-            phase: Phase::Free,
-            watch: None,
-            looks: machine.probe.is_some(),
-        };
+        let context = Context::new((laws, chains, machine), &state.fields, lent, time);
         let clock = super::bind::locate_column(state, 0, Time::NAME, 0).map(|place| place.base.resolve(lent));
         let mut runner = Runner {
             pipeline,

@@ -45,11 +45,14 @@ pub struct Options {
     pub required: bool,
     /// Where it runs.
     pub backend: Backend,
+    /// The root of the mean square of the relative error that far rows may be summed together with; all pairs where there is none.
+    pub far_field: Option<f64>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { domain: None, label: None, every: 1, enabled: true, required: false, backend: Backend::Auto }
+        let (every, enabled, required, backend) = (1, true, false, Backend::Auto);
+        Options { domain: None, label: None, every, enabled, required, backend, far_field: None }
     }
 }
 

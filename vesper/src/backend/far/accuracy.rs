@@ -17,9 +17,7 @@ pub(crate) struct Effort {
 /// A far field's error, as measured for a sample of rows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Accuracy {
-    /// Requested: root of the mean square, relative.
-    pub(crate) requested: f64,
-    /// Measured, the same.
+    /// Root of the mean square, relative.
     pub(crate) measured: f64,
     /// The largest one of the sample.
     pub(crate) largest: f64,

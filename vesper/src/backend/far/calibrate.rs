@@ -40,12 +40,12 @@ impl<P: Scalar> Far<P> {
     ) -> Accuracy {
         let requested = self.error;
         self.effort = Effort::first(requested);
-        let nothing = Accuracy { requested, measured: 0.0, largest: 0.0 };
+        let nothing = Accuracy { measured: 0.0, largest: 0.0 };
         if strength.len() < 2 {
             return nothing;
         }
         let Some(frame) = self.prepare(places, strength, softening_squared) else {
-            return Accuracy { measured: f64::NAN, largest: f64::NAN, ..nothing };
+            return Accuracy { measured: f64::NAN, largest: f64::NAN };
         };
         let count = strength.len();
         let size = (PAIRS / count).clamp(SAMPLE[0], SAMPLE[1]).min(count);
@@ -140,7 +140,7 @@ impl<P: Scalar> Far<P> {
                 largest = largest.max(square.sqrt());
             }
         }
-        Accuracy { requested: self.error, measured: (sum / sample.len() as f64).sqrt(), largest }
+        Accuracy { measured: (sum / sample.len() as f64).sqrt(), largest }
     }
 
     /// Fields of the sample, summed over all pairs in f64, and the sums of the magnitudes.

@@ -16,8 +16,6 @@
 //! cells are taken by their weight ([`walk`]). Measured, sphere of 10^5 rows, f32, error 10^-3: order and tree take a fifteenth of the
 //! time, the walk an eighth. Groups of 16 to 64 rows and cells of 32 to 64 differ by less than a tenth.
 
-#![allow(dead_code, reason = "no pipeline asks for it yet")]
-
 mod accuracy;
 mod calibrate;
 mod fast;
@@ -43,7 +41,6 @@ use sum::{Call, Out};
 use terms::{Fifth, Fourth, Third};
 use tree::Tree;
 
-#[allow(unused_imports, reason = "no pipeline asks for it yet")]
 pub(crate) use accuracy::{Accuracy, Effort, pays};
 
 /// Whoever runs work on threads.
@@ -53,9 +50,11 @@ pub(crate) trait Parts {
 }
 
 /// One part after the other.
+#[cfg(test)]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Serial;
 
+#[cfg(test)]
 impl Parts for Serial {
     fn run(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
         (0..count).for_each(work);
@@ -94,6 +93,11 @@ impl<P: Scalar> Far<P> {
             moments: Moments::default(),
             sums: Default::default(),
         }
+    }
+
+    /// The error that is asked for.
+    pub(crate) fn requested(&self) -> f64 {
+        self.error
     }
 
     /// What says how large the error is.

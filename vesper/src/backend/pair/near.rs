@@ -310,3 +310,32 @@ pub(crate) fn images(apart: [f64; 3], lengths: [f64; 3], cutoff: f64) -> Vec<[f6
     }
     found
 }
+
+/// Rows that are looked at.
+const LOOKED_AT: usize = 4;
+/// Roundings that two results may differ by.
+const ROUNDINGS: f64 = 1e3;
+
+/// Whether pairs of the first rows give what the law's form of inverse squares says.
+///
+/// # Safety
+/// As for [`super::PairKernel::run`].
+pub(super) unsafe fn is_as_inverse_square<P: Scalar, F: PairFamily>(law: &F, call: &PairCall<'_, P>) -> bool {
+    // SAFETY: passed on to the caller.
+    let slots = unsafe { Pairs::<P, F>::slots(call.slots) };
+    let law = law.kernel::<P>();
+    let rows = call.others.end.min(LOOKED_AT);
+    // SAFETY: as above.
+    let row = |row: usize| placed::<F, P>(unsafe { Rows::<P>::new(&slots, row) });
+    let mut pairs = (0..rows).flat_map(|i| (0..rows).map(move |j| (i, j))).filter(|(i, j)| i != j);
+    pairs.all(|(i, j)| {
+        let ((row_i, at_i), (row_j, at_j)) = (row(i), row(j));
+        let (of_i, of_j) = (law.inverse_square(row_i), law.inverse_square(row_j));
+        let apart = [0, 1, 2].map(|side| at_j[side] - at_i[side]);
+        let square = apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2] + of_i.softening * of_i.softening;
+        let weight = (of_i.response * of_j.source).over_root_cubed(square);
+        let expected = apart.map(|apart| (apart * weight).to_f64());
+        let found = share::<F, P, 12>(&law, row_i, row_j).values.map(Scalar::to_f64);
+        super::agree(&found[..3], &expected, ROUNDINGS * P::EPSILON)
+    })
+}

@@ -3,6 +3,7 @@
 use super::{Base, Binder, PARALLEL_PAIRS, Transfer, defaults, threads};
 use crate::backend::{PAYS, PairKernel, coordinate_slots};
 use crate::column::Aligned;
+use crate::pipeline::far_field::FarField;
 use crate::pipeline::neighbours::Neighbours;
 use crate::pipeline::operand::Operand;
 use crate::pipeline::pairs::{Once, PAIR_GRAIN};
@@ -34,6 +35,8 @@ pub(crate) struct PairPass<P: Scalar> {
     pub(crate) once: Option<Once<P>>,
     /// What a law that ends at a distance keeps.
     pub(crate) near: Option<Neighbours<P>>,
+    /// What a law with a far field keeps.
+    pub(crate) far: Option<FarField<P>>,
     /// Whether it is one call of the kernel, on numbers where they stand.
     pub(crate) is_one_call: bool,
     /// Keeps the constants that `slots` points to.
@@ -64,6 +67,7 @@ impl<P: Scalar> Binder<'_, P> {
             estimates: false,
             once: None,
             near: None,
+            far: None,
             is_one_call: false,
             _defaults: defaults,
         };
@@ -96,7 +100,14 @@ impl<P: Scalar> Binder<'_, P> {
         }
         let signature = &self.pipeline.entries[law].signature;
         pass.near = Neighbours::new(signature, &self.laws[law].compiled.parameters);
-        if pass.near.is_none() && self.pipeline.takes_differences(law) && pass.packed.is_empty() && !energy {
+        let far = self.pipeline.entries[law].options.far_field.filter(|_| kernel.is_inverse_square());
+        pass.far = far.and_then(|error| FarField::new(signature, rows, error));
+        if pass.near.is_none()
+            && pass.far.is_none()
+            && self.pipeline.takes_differences(law)
+            && pass.packed.is_empty()
+            && !energy
+        {
             let rest = |operand: &Operand| match *operand {
                 Operand::Quantity(id, component) => self.pipeline.vectors.rest(id, component),
                 _ => None,
@@ -110,9 +121,15 @@ impl<P: Scalar> Binder<'_, P> {
             }
         }
         pass.estimates = signature.estimates && self.machine.estimates && pass.rests.is_empty() && rows >= MANY;
-        let once = pass.estimates && signature.antisymmetric && pass.near.is_none() && rows >= PAYS && !energy;
+        let once = pass.estimates
+            && signature.antisymmetric
+            && pass.near.is_none()
+            && pass.far.is_none()
+            && rows >= PAYS
+            && !energy;
         pass.once = once.then(|| Once::new(rows, pass.kernel.added()));
-        let plain = pass.once.is_none() && pass.near.is_none() && pass.transfers.is_empty() && !energy;
+        let plain =
+            pass.once.is_none() && pass.near.is_none() && pass.far.is_none() && pass.transfers.is_empty() && !energy;
         pass.is_one_call = plain && (pass.threads == 1 || rows <= PAIR_GRAIN);
         Some(pass)
     }
