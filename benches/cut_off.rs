@@ -36,7 +36,8 @@ fn study<P: Precision>(run: Run, summary: &mut Summary) {
     let units = atoms as f64 * STEPS as f64;
     let times = Race { rounds: 15, ..Race::default() }.run(run, units, &mut contenders);
     let [one, two] = times[..] else { return };
-    let case = |threads| Case { name: "Lennard-Jones melt", n: atoms, threads, precision: P::NAME, unit: "ns/atom-step" };
+    let case =
+        |threads| Case { name: "Lennard-Jones melt", n: atoms, threads, precision: P::NAME, unit: "ns/atom-step" };
     summary.add(case(1), one, &[]);
     summary.add(case(2), two, &[(one, Some(error))]);
     if run == Run::Measure {

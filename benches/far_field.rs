@@ -90,7 +90,10 @@ fn main() -> std::io::Result<()> {
             let beside: Vec<_> = peers.iter().map(|peer| (*peer, Some(*error))).collect();
             summary.add(case, *time, &beside);
             if run == Run::Measure {
-                println!("    {:.1} ms a step, rms error asked {asked:e}, found {error:.1e}", time.median * *n as f64 / 1e6);
+                println!(
+                    "    {:.1} ms a step, rms error asked {asked:e}, found {error:.1e}",
+                    time.median * *n as f64 / 1e6
+                );
             }
         }
     }

@@ -15,7 +15,7 @@ fn builder<P: Precision>(atoms: Domain<P>, side: f64) -> Builder<P> {
 
 #[test]
 fn the_lattice_has_the_energy_that_is_known() {
-    for cells in [5, 8] {
+    for cells in [5_usize, 8] {
         let atoms = 4 * cells.pow(3);
         let at_rest = |numbers: &[f64]| numbers.iter().map(|v| 0.5 * v * v).sum::<f64>();
         let mut engine = builder::<f64>(melt(cells), length(cells)).build().unwrap();
@@ -139,12 +139,12 @@ fn forces_are_those_of_all_images() {
 
 #[test]
 fn an_implicit_method_sees_the_same_neighbours() {
-    let run = |integrator: Box<dyn Integrator>| {
+    fn run(integrator: impl Integrator + 'static) -> Vec<f64> {
         let mut engine = builder::<f64>(melt(3), length(3)).integrator(integrator).step(1e-4).build().unwrap();
         engine.steps_of(20, 1e-4).unwrap();
         engine.state().numbers("atoms", Position).unwrap()
-    };
-    let (implicit, explicit) = (run(Box::new(ImplicitMidpoint::default())), run(Box::new(RungeKutta4)));
+    }
+    let (implicit, explicit) = (run(ImplicitMidpoint::default()), run(RungeKutta4));
     let off = implicit.iter().zip(&explicit).fold(0.0, |most, (a, b)| f64::max(most, (a - b).abs()));
     assert!(off < 1e-6, "{off:e}");
 }
