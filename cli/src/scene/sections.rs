@@ -16,7 +16,7 @@ const BACKENDS: [(&str, BackendChoice); 4] = [
 ];
 
 /// Keys of `[engine]`.
-pub(crate) const ENGINE: [&str; 12] = [
+pub(crate) const ENGINE: [&str; 13] = [
     "precision",
     "integrator",
     "step",

@@ -22,7 +22,7 @@ const TABLE: &[(&str, &str)] = &[
     ("[engin]\nstep = 1", "1:2: `engin` is not known in a scene; did you mean `engine`?"),
     (
         "[engine]\nstep_size = 1",
-        "2:1: `step_size` is not known in [engine]; known here: precision, integrator, step, frame, end, backend, threads, strict, compensated, across_jumps, moving_origin, observe",
+        "2:1: `step_size` is not known in [engine]; known here: precision, integrator, step, frame, end, backend, threads, strict, compensated, across_jumps, estimates, moving_origin, observe",
     ),
     ("[engine]\nintergrator = \"rk4\"", "2:1: `intergrator` is not known in [engine]; did you mean `integrator`?"),
     (
