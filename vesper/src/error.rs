@@ -247,7 +247,7 @@ pub enum Fault {
     },
     #[error("{who} does not let the origin move: {reason}")]
     OriginStays { who: String, reason: String },
-    #[error("{law} says {word}: {}, or leave the word out", word.advice())]
+    #[error("{law} says {word}, {}, or leave the word out", word.advice())]
     NotAsSaid { law: String, word: PairWord },
     #[error("{law} has no cut-off that neighbours can be found within: {reason}")]
     Cutoff { law: String, reason: String },

@@ -201,7 +201,7 @@ fn with_estimates<P: Precision>() {
     let allow = stock_laws().iter().filter(|law| law.signature.estimates);
     for law in allow {
         let laws = [(law, "rows")];
-        let exact = run::<f64>(&laws, &[0], REFERENCE).0;
+        let exact = run::<P>(&laws, &[0], REFERENCE).0;
         for isa in Isa::available() {
             let with = |machine| Machine { estimates: true, ..machine };
             let reference = bits::<P>(&laws, &[0], with(Machine { isa, ..REFERENCE }));
@@ -209,7 +209,7 @@ fn with_estimates<P: Precision>() {
                 assert!(bits::<P>(&laws, &[0], machine) == reference, "{} differs on {machine:?}", law.signature.name);
             }
             let off = difference(&run::<P>(&laws, &[0], with(Machine { isa, ..REFERENCE })), &exact);
-            assert!(off < 16.0 * P::EPSILON, "{} in {isa:?}: {off:e}", law.signature.name);
+            assert!(off < 32.0 * P::EPSILON, "{} in {isa:?}: {off:e}", law.signature.name);
         }
     }
 }

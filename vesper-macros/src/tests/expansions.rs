@@ -225,7 +225,8 @@ fn kernels_of_every_shape() {
             &[
                 "#[inline(always)] fn pair(&self) {}",
                 "impl ::vesper::law::PairFamily for Gravity<f64> { type Kernel<R: ::vesper::real::Real> = Gravity<R>;
-                 const ENERGY: bool = false; fn kernel<R: ::vesper::real::Real>(&self) -> Gravity<R>
+                 const ENERGY: bool = false; const INVERSE_SQUARE: bool = false;
+                 fn kernel<R: ::vesper::real::Real>(&self) -> Gravity<R>
                  { <Self as ::vesper::law::Law>::body::<R>(self) } }",
                 "impl ::vesper::backend::Compile for Gravity<f64> {",
                 "{ ::vesper::backend::pair::<f64, Self>(self) }",

@@ -204,8 +204,8 @@ mod tests {
         "sqrt": |a, b| Real::sqrt(Real::abs(a * b)), 0.5 * (b / a).abs().sqrt() * a.signum(),
             0.5 * (a / b).abs().sqrt() * b.signum();
         "rsqrt": |a, _b| Real::rsqrt(Real::abs(a)), -0.5 * a.signum() * a.abs().powf(-1.5), 0.0;
-        "over_root_cubed": |a, b| Real::over_root_cubed(a, b * b + Real::abs(b)), (b * b + b.abs()).powf(-1.5),
-            -1.5 * a * (b * b + b.abs()).powf(-2.5) * (2.0 * b + b.signum());
+        "over_root_cubed": |a, b| Real::over_root_cubed(a, b * b + a * a), (b * b - 2.0 * a * a) * (a * a + b * b).powf(-2.5),
+            -3.0 * a * b * (a * a + b * b).powf(-2.5);
         "abs": |a, b| Real::abs(a) * b, a.signum() * b, a.abs();
         "min": |a, b| Real::min(a, b), f64::from(a < b), f64::from(a >= b);
         "max": |a, b| Real::max(a, b), f64::from(a > b), f64::from(a <= b);
