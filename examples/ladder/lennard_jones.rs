@@ -11,7 +11,7 @@ use vesper::prelude::*;
 ///
 /// Limits: no attraction beyond the cut-off, so that energy and pressure of a fluid have a tail to be added; the energy jumps there.
 #[derive(Law, Clone, Copy, Debug)]
-#[law(reads(position: Position), adds(force: Force), estimates)]
+#[law(reads(position: Position), adds(force: Force), translation_invariant, estimates)]
 pub struct LennardJones<R = f64> {
     /// Depth of the well.
     #[law(unit = "J", default = 1.0)]

@@ -166,7 +166,7 @@ fn what_is_no_cut_off_is_refused() {
 
 /// Attraction that ends at a length in another unit than places have.
 #[derive(Law, Clone, Copy, Debug)]
-#[law(reads(position: Position), adds(force: Force))]
+#[law(reads(position: Position), adds(force: Force), translation_invariant)]
 struct InKilometres<R = f64> {
     /// Where it ends.
     #[law(unit = "km", cutoff)]

@@ -117,7 +117,15 @@ pub fn pair<P: Scalar, F: PairFamily>(law: &F) -> Compiled<P> {
         assert!(added(&F::SIGNATURE) <= SUMS, "a pair law adds to at most 12 numbers");
         let ends = F::SIGNATURE.cutoff.is_some();
         let one = distance_slot(F::SIGNATURE.ports).is_some();
-        assert!(!ends || one, "a law with a `cutoff` reads one coordinate, a vector, which distances are taken of");
+        assert!(
+            !ends || one,
+            "a law with a `cutoff` reads one coordinate, a vector that is not optional, which distances are taken of"
+        );
+        let differences = F::SIGNATURE.translation_invariant;
+        assert!(
+            !ends || differences,
+            "a law with a `cutoff` sees images of rows: it looks at differences of coordinates only, and says `translation_invariant`"
+        );
     };
     Compiled {
         signature: F::SIGNATURE,
@@ -228,19 +236,24 @@ impl<P: Scalar, F: PairFamily> PairKernel<P> for F {
         if const { F::SIGNATURE.cutoff.is_none() } {
             return;
         }
+        macro_rules! listed {
+            ($n:ident, $clusters:expr) => {{
+                // SAFETY: the caller promises the same.
+                unsafe { Listed::<P, F, $n>::new(self, call, lists, $clusters) }
+            }};
+        }
         if const { F::SIGNATURE.estimates } && call.estimates {
-            // SAFETY: the caller promises the same.
-            while let Some(cluster) = sized!(F, N => P::with_estimates(isa, unsafe { Listed::<_, _, N>::new(self, call, lists, clusters.clone()) }))
+            let mut first = 0;
+            while let Some((cluster, row)) =
+                sized!(F, N => P::with_estimates(isa, listed!(N, (clusters.clone(), first))))
             {
-                let exact = PairCall { estimates: false, ..call.clone() };
-                // SAFETY: as above.
-                unsafe { self.run_listed(isa, &exact, lists, cluster..cluster + 1) };
-                clusters.start = cluster + 1;
+                // The rest of the cluster without; what was given before stays.
+                sized!(F, N => P::with_lanes(isa, listed!(N, (cluster..cluster + 1, row))));
+                (clusters.start, first) = (cluster + 1, 0);
             }
             return;
         }
-        // SAFETY: as above.
-        sized!(F, N => P::with_lanes(isa, unsafe { Listed::<_, _, N>::new(self, call, lists, clusters) }));
+        sized!(F, N => P::with_lanes(isa, listed!(N, (clusters, 0))));
     }
 
     unsafe fn energy_listed(&self, call: &PairCall<'_, P>, lists: &Lists<P>) -> Option<f64> {

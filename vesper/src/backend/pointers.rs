@@ -1,7 +1,7 @@
 //! Rows in memory as a source and a sink: a pointer for every component of every port.
 
 use crate::law::{Mode, Part, Place, Port, Sink, Source};
-use crate::real::{Lanes, Real, Scalar};
+use crate::real::{Lanes, MAX_WIDTH, Real, Scalar};
 use core::marker::PhantomData;
 
 pub(crate) use crate::law::MAX_SLOTS;
@@ -344,9 +344,9 @@ impl<R: Real, const N: usize> Sums<R, N> {
         }
     }
 
-    /// Whether the first `count` are numbers in all lanes.
+    /// Whether the first `count` are numbers in the first `lanes` lanes: what is in the others is nobody's.
     #[inline(always)]
-    pub(crate) fn are_finite<P: Scalar>(&self, count: usize) -> bool
+    pub(crate) fn are_finite<P: Scalar>(&self, count: usize, lanes: usize) -> bool
     where
         R: Lanes<P>,
     {
@@ -355,7 +355,17 @@ impl<R: Real, const N: usize> Sums<R, N> {
         for number in &self.values[..count] {
             nothing += *number - *number;
         }
-        nothing.sum().is_finite()
+        if lanes >= R::WIDTH {
+            return nothing.sum().is_finite();
+        }
+        let mut numbers = [P::default(); MAX_WIDTH];
+        // SAFETY: no lanes are wider than that.
+        unsafe { nothing.store(numbers.as_mut_ptr()) };
+        let mut lane = 0;
+        while lane < lanes && numbers[lane].is_finite() {
+            lane += 1;
+        }
+        lane == lanes
     }
 
     /// For a share that gives nothing to some: what leaves every number as it is, so that the compiler leaves it out.

@@ -82,8 +82,11 @@ impl<L> Configured<L> {
     }
 
     /// Sums far rows together, with a relative error of each row's sum whose root mean square is this one: measured for a sample
-    /// of rows when the engine is built, and shown by `Engine::explain`. For laws that say `inverse_square`, as gravity does; few
-    /// rows, which all pairs are faster for, are not touched.
+    /// of rows in the engine's first evaluation, and then shown by `Engine::explain`. For laws that say `inverse_square`, as gravity
+    /// does; few rows, which all pairs are faster for, are not touched.
+    ///
+    /// Another engine that goes on from a checkpoint measures anew: it has the same error, but not the same bits. Derivatives, which
+    /// implicit integrators and stable steps need, are of all pairs.
     #[must_use]
     pub fn far_field(self, error: f64) -> Self {
         self.with(|options| options.far_field = Some(error))
@@ -339,7 +342,8 @@ impl<P: Scalar> Builder<P> {
     }
 
     /// Whether laws that allow `estimates` are computed with them, where there are many pairs; they are if this is not called.
-    /// Without, every result has the same bits on every processor; with, on every one with the same instruction set.
+    /// Without, every result has the same bits on every processor, but for far fields; with, on every processor of one family, on any
+    /// number of threads.
     #[must_use]
     pub fn estimates(mut self, estimates: bool) -> Self {
         self.estimates = estimates;
@@ -470,10 +474,10 @@ fn machine(threads: Option<usize>, isa: Option<Isa>, faults: &mut Vec<Fault>) ->
             pool.map_err(|error| faults.push(Fault::ThreadPool { reason: error.to_string() })).ok()
         });
         let (threads, pool) = (threads.unwrap_or_else(cores), pool.map(Arc::new));
-        Machine { isa, estimates: true, threads, pool, probe: None, stop: None }
+        Machine { isa, estimates: true, fits: Arc::default(), threads, pool, probe: None, stop: None }
     }
     #[cfg(not(feature = "parallel"))]
-    Machine { isa, estimates: true, threads: 1, probe: None, stop: None }
+    Machine { isa, estimates: true, fits: Arc::default(), threads: 1, probe: None, stop: None }
 }
 
 /// Logs, once, every law that falls asleep, and every one that wakes.

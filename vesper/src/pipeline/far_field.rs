@@ -1,12 +1,13 @@
 //! Runs a pair law of inverse squares with far rows summed together. In: a pass that is tied to a state. Out: sums in their columns,
 //! or an energy. Never: the method itself.
 
-use super::bind::{Base, PairPass};
+use super::bind::PairPass;
 use super::run::{Context, in_parts};
 use crate::backend::{Accuracy, Effort, Far, Parts, distance_slot, far_pays};
 use crate::column::Aligned;
 use crate::law::Signature;
 use crate::real::Scalar;
+use std::sync::PoisonError;
 
 /// What a pass keeps for a law with a far field.
 pub(crate) struct FarField<P: Scalar> {
@@ -17,7 +18,7 @@ pub(crate) struct FarField<P: Scalar> {
     response: Aligned<P>,
     /// The field, or the potential, of each row.
     found: [Aligned<P>; 3],
-    /// As measured when the pass was made.
+    /// As measured in the first evaluation.
     pub(crate) accuracy: Option<Accuracy>,
 }
 
@@ -85,43 +86,40 @@ fn places<'a, P: Scalar>(pass: &PairPass<P>, place: usize) -> [&'a [P]; 3] {
 }
 
 /// What a calibration has found.
-pub(super) type Fit = (Effort, Accuracy);
+pub(crate) type Fit = (Effort, Accuracy);
 
-/// Has the effort fit what was found for another pass of the law, or measures the error for the rows as they are: then gives what
-/// it has found. Not where columns are lent, which nobody has yet.
-pub(super) fn calibrate<P: Scalar>(
-    pass: &mut PairPass<P>,
-    context: &Context<'_, P>,
-    known: Option<Fit>,
-) -> Option<Fit> {
-    if pass.transfers.iter().any(|transfer| matches!(transfer.base, Base::Lent { .. })) {
-        return None;
+/// Has the effort fit the error that is asked for, once in an engine's life: for the rows as they are now, or as it was found before.
+fn fit<P: Scalar>(far: &mut FarField<P>, pass: &PairPass<P>, square: P, context: &Context<'_, P>) {
+    if far.accuracy.is_some() {
+        return;
     }
-    let mut far = pass.far.take()?;
-    let mut found = None;
-    if let Some((effort, accuracy)) = known {
-        far.far.set_effort(effort);
-        far.accuracy = Some(accuracy);
-    } else {
-        for transfer in &pass.transfers {
-            // SAFETY: packed arrays have a number for every row.
-            unsafe { transfer.load(&[], 0..pass.rows, pass.packed[transfer.scratch].pointer()) };
+    let entry = &context.laws[pass.law].entry;
+    let law = format!("{}@{}", entry.label(), entry.options.domain.as_deref().unwrap_or_default());
+    let mut fits = context.machine.fits.lock().unwrap_or_else(PoisonError::into_inner);
+    let (effort, accuracy) = match fits.iter().find(|(known, _)| *known == law) {
+        Some((_, fit)) => *fit,
+        None => {
+            let first = far.far.effort();
+            let threads = OnThreads { context, threads: pass.threads };
+            let places = places(pass, far.place);
+            let found = far.far.calibrate(context.isa, places, far.source.as_slice(), square, &threads);
+            if found.measured.is_nan() || found.measured == 0.0 {
+                // There is no field yet, or none that is a number: another evaluation tells.
+                return far.far.set_effort(first);
+            }
+            fits.push((law, (far.far.effort(), found)));
+            (far.far.effort(), found)
         }
-        let square = form(pass, &far);
-        let threads = OnThreads { context, threads: pass.threads };
-        let places = places(pass, far.place);
-        let accuracy = far.far.calibrate(context.isa, places, far.source.as_slice(), square, &threads);
-        far.accuracy = Some(accuracy);
-        found = Some((far.far.effort(), accuracy));
-    }
-    pass.far = Some(far);
-    found
+    };
+    far.far.set_effort(effort);
+    far.accuracy = Some(accuracy);
 }
 
 /// Adds to each row what all others do to it.
 pub(super) fn run<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) {
     let Some(mut far) = pass.far.take() else { return };
     let square = form(pass, &far);
+    fit(&mut far, pass, square, context);
     let threads = OnThreads { context, threads: pass.threads };
     let places = places(pass, far.place);
     let FarField { far: method, source, response, found, .. } = &mut far;
@@ -143,6 +141,7 @@ pub(super) fn run<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) {
 pub(super) fn energy<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> Option<f64> {
     let mut far = pass.far.take()?;
     let square = form(pass, &far);
+    fit(&mut far, pass, square, context);
     let threads = OnThreads { context, threads: pass.threads };
     let places = places(pass, far.place);
     let FarField { far: method, source, response, found: [potential, ..], .. } = &mut far;

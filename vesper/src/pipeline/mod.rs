@@ -38,7 +38,6 @@ pub(crate) use chain::FusedChain;
 pub use chain::{Chain, ChainPart, Chained, Layout, List, Registers};
 pub(crate) use plan::Key;
 use plan::Plan;
-use run::Context;
 pub(crate) use run::{Runner, Watch};
 pub(crate) use tangent::Tangent;
 pub(crate) use vectors::{Vectors, lent_columns};
@@ -52,8 +51,9 @@ use crate::property::{Kind, PropertyInfo, Role};
 use crate::real::{Isa, Scalar};
 use crate::registry::{Entry, QuantityId, Registry, Tie};
 use crate::state::State;
-use std::sync::Arc;
+use far_field::Fit;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
 use switches::Switches;
 use turning::{Turning, turnings, without_turning};
 
@@ -77,6 +77,8 @@ pub(crate) struct Machine {
     pub(crate) isa: Isa,
     /// Whether laws that allow it are computed with estimates.
     pub(crate) estimates: bool,
+    /// What calibrations of far fields have found, by law: kept where laws, rows or columns come and go.
+    pub(crate) fits: Arc<Mutex<Vec<(String, Fit)>>>,
     /// Cores to use.
     pub(crate) threads: usize,
     #[cfg(feature = "parallel")]
@@ -207,7 +209,6 @@ impl<P: Scalar> Pipeline<P> {
         pipeline.programs =
             plans.into_iter().map(|plan| program(plan, laws, chains, &pipeline, state, machine)).collect();
         pipeline.check_pairs()?;
-        pipeline.calibrate(&Context::new((laws, chains, machine), &state.fields, &[], 0.0));
         if integrator.needs_derivatives() {
             pipeline.tangent = Some(Box::new(Tangent::new(&pipeline, laws, state)));
         }
@@ -219,12 +220,16 @@ impl<P: Scalar> Pipeline<P> {
     }
 
     /// Whether laws of pairs are what they say they are, where loops rely on it.
-    fn check_pairs(&self) -> Result<(), Faults> {
-        let passes = self.programs.iter().flat_map(|program| &program.passes);
+    fn check_pairs(&mut self) -> Result<(), Faults> {
+        let passes = self.programs.iter_mut().flat_map(|program| &mut program.passes);
         let mut broken: Vec<(usize, PairWord)> = Vec::new();
         let mut faults = Vec::new();
         for bound in passes {
-            let bind::Pass::Pair(pair) = &bound.pass else { continue };
+            let bind::Pass::Pair(pair) = &mut bound.pass else { continue };
+            // Rows of lent memory are not there yet.
+            if !pair.load_owned() {
+                continue;
+            }
             if !pair.is_invariant() {
                 broken.push((pair.law, PairWord::TranslationInvariant));
             }
@@ -259,19 +264,6 @@ impl<P: Scalar> Pipeline<P> {
             Some(Fault::FarField { law: entry.label().to_owned(), reason })
         };
         Faults::unless_empty(entries.iter().zip(laws).filter_map(fault).collect(), ())
-    }
-
-    /// Has the efforts of far fields fit the errors that are asked for, for the rows as they are now. Where memory is lent, which
-    /// nobody has yet, they are first guesses.
-    fn calibrate(&mut self, context: &Context<'_, P>) {
-        let mut known: Vec<(usize, far_field::Fit)> = Vec::new();
-        for bound in self.programs.iter_mut().flat_map(|program| &mut program.passes) {
-            let bind::Pass::Pair(pass) = &mut bound.pass else { continue };
-            let before = known.iter().find(|(law, _)| *law == pass.law).map(|(_, fit)| *fit);
-            if let Some(fit) = far_field::calibrate(pass, context, before) {
-                known.push((pass.law, fit));
-            }
-        }
     }
 
     /// Whether a law is of pairs, and looks at differences of coordinates only.

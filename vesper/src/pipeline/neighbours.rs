@@ -6,12 +6,15 @@ use super::run::{Context, in_parts};
 use crate::backend::{ListReach, Lists, PairCall, Unfit, box_slot, distance_slot};
 use crate::column::Aligned;
 use crate::law::{Place, Signature};
+use crate::property::{PeriodicBox, Property};
 use crate::real::Scalar;
 
 /// Rows from which on lists are looked at: fewer meet each other sooner.
 const MANY: usize = 256;
 /// Evaluations after which lists are tried again that did not pay.
 const LATER: u32 = 32;
+/// Evaluations that lists of a dense fluid hold for.
+const HOLDS: f64 = 10.0;
 /// Rows from which on threads copy to the entries.
 const PARALLEL_ENTRIES: usize = super::bind::PARALLEL_ROWS;
 
@@ -29,8 +32,8 @@ pub(crate) struct Neighbours<P: Scalar> {
     /// Numbers of the entries, by slot; none where rows are their own entries.
     entries: Vec<Aligned<P>>,
     slots: Vec<*mut P>,
-    /// Evaluations since lists were made, and before they are tried again.
-    held: u32,
+    /// Whether lists are less work than all pairs, as they were made last; and evaluations before they are tried again.
+    pays: bool,
     later: u32,
 }
 
@@ -54,7 +57,7 @@ impl<P: Scalar> Neighbours<P> {
             lists: None,
             entries: Vec::new(),
             slots: Vec::new(),
-            held: 0,
+            pays: true,
             later: 0,
         })
     }
@@ -92,7 +95,15 @@ pub(super) fn fault<P: Scalar>(pass: &PairPass<P>, signature: &Signature) -> Opt
             coordinate.name, coordinate.unit
         ));
     }
-    near.unfit(lengths(near, &pass.slots))
+    let lengths = lengths(near, &pass.slots);
+    if lengths != [0.0; 3] && coordinate.unit != PeriodicBox::INFO.unit {
+        let unit = PeriodicBox::INFO.unit;
+        return Some(format!(
+            "{} is in {}, and the periodic box in {unit}: declare it in that unit",
+            coordinate.name, coordinate.unit
+        ));
+    }
+    near.unfit(lengths)
 }
 
 /// The lengths of the box as they are now.
@@ -125,15 +136,14 @@ pub(super) fn follow<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>
     let places = places(&pass.slots, near.place, pass.rows);
     let isa = context.isa;
     if near.lists.as_mut().is_some_and(|lists| lists.follow(isa, places)) {
-        near.held = near.held.saturating_add(1);
+        // They hold.
     } else if let Err(unfit) = build(near, places, pass.threads, context) {
         let label = context.laws[pass.law].entry.label();
         log::error!("{label}: {unfit}");
         near.later = LATER;
         return !free;
     }
-    let Some(lists) = &near.lists else { return !free };
-    if free && near.held == 0 && !lists.pays(f64::from(LATER)) {
+    if free && !near.pays {
         near.later = LATER;
         return false;
     }
@@ -147,12 +157,12 @@ fn build<P: Scalar>(
     threads: usize,
     context: &Context<'_, P>,
 ) -> Result<(), Unfit> {
-    near.held = 0;
     let mut lists = match near.lists.take() {
         Some(lists) => lists,
         None => Lists::new(ListReach::new(near.cutoff, near.lengths))?,
     };
     lists.build(context.isa, places, &|parts, work| in_parts(context, threads, parts, 1, work))?;
+    near.pays = lists.pays(HOLDS);
     near.lists = Some(lists);
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Runs the pass of a pair law. In: a pass that is tied to a state. Out: sums in their columns, or an energy. Never: a body.
 
-use super::bind::PairPass;
+use super::bind::{Base, PairPass};
 use super::neighbours::Neighbours;
 use super::pass::first_result;
 use super::run::{Context, in_parts};
@@ -48,6 +48,18 @@ impl<P: Scalar> PairPass<P> {
     #[inline]
     pub(super) fn all(&self) -> PairCall<'_, P> {
         self.call(0..self.rows)
+    }
+
+    /// Brings what is packed to where the law reads it; false where that is lent memory, which only a run has.
+    pub(super) fn load_owned(&mut self) -> bool {
+        if self.transfers.iter().any(|transfer| matches!(transfer.base, Base::Lent { .. })) {
+            return false;
+        }
+        for transfer in &self.transfers {
+            // SAFETY: packed arrays have a number for every row.
+            unsafe { transfer.load(&[], 0..self.rows, self.packed[transfer.scratch].pointer()) };
+        }
+        true
     }
 
     /// Whether the law gives the same where it is told differences of coordinates only.

@@ -5,7 +5,8 @@
 //! a column, a law.
 //!
 //! Comparisons give a mask, and [`Real::select`] takes one: a branch would decide for one row, while a lane type
-//! holds several. Every operation rounds like the scalar one, so the width of the lanes never changes a result.
+//! holds several. Every operation rounds like the scalar one, so the width of the lanes never changes a result; but for laws that allow
+//! estimates (`fused`).
 
 mod double_double;
 mod dual;

@@ -3,7 +3,8 @@
 //!
 //! In: lanes. Out: lanes. Never: another result for another lane; the same bits with AVX-512 as without it: there the estimate of 14
 //! bits is corrected once in f32 and by three terms in f64, to about one unit in the last place, elsewhere both are the exact operations.
-//! To be replaced by lanes that do so themselves.
+//! Not the lanes of laws that allow estimates (`real::fused`): those keep products apart until they are wanted, which takes three
+//! registers for each number where arrays of them are kept.
 
 use crate::real::Lanes;
 #[cfg(target_arch = "x86_64")]

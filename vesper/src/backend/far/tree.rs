@@ -95,6 +95,10 @@ impl<P: Scalar> Tree<P> {
                     continue;
                 }
                 order::sort(places, within, range, &mut self.scratch);
+                if ends(keyed) == 0 {
+                    // Numbers of more digits than keys are made from tell them apart, keys never will: a cell of many rows.
+                    continue;
+                }
             }
             // The highest digit that is not the same in all of them.
             let shift = (31 - ends(keyed).leading_zeros()) / 3 * 3;

@@ -15,7 +15,7 @@ use core::ops::Range;
 
 /// Rows j whose shares are summed before that sum is added to those of the tiles before. In f32 smaller ones do not make the
 /// error smaller, and larger ones do not make the loop faster.
-const TILE: usize = 256;
+pub(super) const TILE: usize = 256;
 
 /// The work of one call, by one way to see rows.
 pub(super) struct Each<'a, P, F, S, const N: usize> {
@@ -27,19 +27,19 @@ pub(super) struct Each<'a, P, F, S, const N: usize> {
 /// Sums of tiles, with what rounding leaves of every addition (Knuth, The Art of Computer Programming 2, 4.2.2, theorem B), so
 /// that the error does not grow with the number of tiles.
 #[derive(Clone, Copy)]
-struct Tiles<R, const N: usize> {
+pub(super) struct Tiles<R, const N: usize> {
     sums: [R; N],
     rests: [R; N],
 }
 
 impl<R: Real, const N: usize> Tiles<R, N> {
     #[inline(always)]
-    fn zero() -> Self {
+    pub(super) fn zero() -> Self {
         Tiles { sums: [R::lit(0.0); N], rests: [R::lit(0.0); N] }
     }
 
     #[inline(always)]
-    fn take(&mut self, tile: &Sums<R, N>, count: usize) {
+    pub(super) fn take(&mut self, tile: &Sums<R, N>, count: usize) {
         for k in 0..count {
             let (sum, rest) = super::two_sum(self.sums[k], tile.values[k]);
             self.sums[k] = sum;
@@ -48,7 +48,7 @@ impl<R: Real, const N: usize> Tiles<R, N> {
     }
 
     #[inline(always)]
-    fn sum(&self, to: &mut Sums<R, N>, count: usize) {
+    pub(super) fn sum(&self, to: &mut Sums<R, N>, count: usize) {
         for k in 0..count {
             to.values[k] = self.sums[k] + self.rests[k];
         }
@@ -93,7 +93,7 @@ impl<'a, P: Scalar, F: PairFamily, S: Sight<P, F>, const N: usize> Each<'a, P, F
                         tiles.sum(sums, Pairs::<P, F>::ADDED);
                     }
                 }
-                return self.give(slots, i, &sums);
+                return self.give(slots, (i, count), &sums);
             }
             from = to;
         }
@@ -160,9 +160,17 @@ impl<'a, P: Scalar, F: PairFamily, S: Sight<P, F>, const N: usize> Each<'a, P, F
 
     /// Adds sums to the columns of the rows of the lanes, or begins the columns with them.
     #[inline(always)]
-    fn give<R: Lanes<P>, const B: usize>(&self, slots: &Slots<P>, i: usize, sums: &[Sums<R, N>; B]) -> bool {
-        if R::ESTIMATES && !sums.iter().all(|sums| sums.are_finite::<P>(Pairs::<P, F>::ADDED)) {
-            return false;
+    fn give<R: Lanes<P>, const B: usize>(
+        &self,
+        slots: &Slots<P>,
+        (i, count): (usize, usize),
+        sums: &[Sums<R, N>; B],
+    ) -> bool {
+        for (set, sums) in sums.iter().enumerate() {
+            let there = count - set * R::WIDTH;
+            if R::ESTIMATES && !sums.are_finite::<P>(Pairs::<P, F>::ADDED, there) {
+                return false;
+            }
         }
         for (set, sums) in sums.iter().enumerate() {
             if self.call.first {

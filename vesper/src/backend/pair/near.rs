@@ -5,6 +5,7 @@
 //! A share counts where the square of the distance is less than that of the cut-off; else an exact zero is added in its place. So
 //! sums have the same bits from lists of any age, and without a periodic box from all pairs, too ([`crate::backend::near`]).
 
+use super::each::{TILE, Tiles};
 use super::sight::{RowOf, Sight, load, share};
 use super::{PairCall, Pairs};
 use crate::backend::near::{Cluster, Lists};
@@ -14,13 +15,14 @@ use crate::property::{Kind, PeriodicBox, Property, Role};
 use crate::real::{Lanes, MAX_WIDTH, Real, Scalar, WithLanes};
 use core::ops::Range;
 
-/// The first slot of the one coordinate of rows that a law reads: a vector.
+/// The first slot of the one coordinate of rows that a law reads: a vector, which is always there.
 pub(crate) const fn distance_slot(ports: &[Port]) -> Option<usize> {
     let (mut port, mut slot, mut found, mut count) = (0, 0, 0, 0);
     while port < ports.len() {
         let property = &ports[port].property;
         let coordinate = matches!(property.role, Role::Coordinate) && matches!(property.kind, Kind::Vector);
-        if coordinate && matches!(ports[port].mode, Mode::Reads) && matches!(ports[port].place, Place::Own) {
+        let own = matches!(ports[port].mode, Mode::Reads) && matches!(ports[port].place, Place::Own);
+        if coordinate && own && !ports[port].optional {
             found = slot;
             count += 1;
         }
@@ -125,6 +127,8 @@ pub(super) struct Listed<'a, P: Scalar, F, const N: usize> {
     call: &'a PairCall<'a, P>,
     lists: &'a Lists<P>,
     clusters: Range<usize>,
+    /// The row of the first cluster to begin with.
+    start: usize,
     sight: Near<P>,
 }
 
@@ -135,9 +139,9 @@ impl<'a, P: Scalar, F: PairFamily, const N: usize> Listed<'a, P, F, N> {
         law: &'a F,
         call: &'a PairCall<'a, P>,
         lists: &'a Lists<P>,
-        clusters: Range<usize>,
+        (clusters, start): (Range<usize>, usize),
     ) -> Self {
-        Listed { law, call, lists, clusters, sight: Near::new(call) }
+        Listed { law, call, lists, clusters, start, sight: Near::new(call) }
     }
 
     /// What others do to rows of a cluster from its row `first` on; false where an estimate has no number to give.
@@ -155,20 +159,27 @@ impl<'a, P: Scalar, F: PairFamily, const N: usize> Listed<'a, P, F, N> {
             *entry = cluster.list[cluster.own[first + lane] as usize];
         }
         let own = placed::<F, R>(Gathered { slots, entries });
-        let mut sums = Sums::<R, N>::zero(Pairs::<P, F>::FIRST);
+        let mut sums = Tiled::<R, N> {
+            sums: Sums::zero(Pairs::<P, F>::FIRST),
+            tiles: Tiles::zero(),
+            // Entries of images have other numbers in lists of another age.
+            end: if self.lists.is_plain() { 0 } else { u32::MAX },
+        };
         let mut at = 0;
         for lane in 0..count {
             let itself = cluster.own[first + lane] as usize;
             self.others(law, slots, &own, &mut sums, &cluster.list[at..itself]);
+            sums.reach(cluster.list[itself], Pairs::<P, F>::ADDED);
             let mask = R::from_lanes(|lane| P::from_f64(lane as f64)).equal(R::lit(lane as f64));
             // SAFETY: `new` was promised the entries.
             let share =
                 unsafe { Sight::<P, F>::share::<R, N>(self.sight, law, slots, &own, cluster.list[itself] as usize) };
-            sums.take_but(mask, &share, Pairs::<P, F>::ADDED);
+            sums.sums.take_but(mask, &share, Pairs::<P, F>::ADDED);
             at = itself + 1;
         }
         self.others(law, slots, &own, &mut sums, &cluster.list[at..]);
-        if R::ESTIMATES && !sums.are_finite::<P>(Pairs::<P, F>::ADDED) {
+        let sums = sums.all(Pairs::<P, F>::ADDED);
+        if R::ESTIMATES && !sums.are_finite::<P>(Pairs::<P, F>::ADDED, count) {
             return false;
         }
         for (k, sum) in sums.values[..Pairs::<P, F>::ADDED].iter().enumerate() {
@@ -187,32 +198,68 @@ impl<'a, P: Scalar, F: PairFamily, const N: usize> Listed<'a, P, F, N> {
         law: &F::Kernel<R>,
         slots: &Slots<P>,
         own: &(RowOf<F, R>, [R; 3]),
-        sums: &mut Sums<R, N>,
-        list: &[u32],
+        sums: &mut Tiled<R, N>,
+        mut list: &[u32],
     ) {
-        for entry in list {
-            // SAFETY: `new` was promised the entries.
-            let share = unsafe { Sight::<P, F>::share::<R, N>(self.sight, law, slots, own, *entry as usize) };
-            sums.take(&share, Pairs::<P, F>::ADDED);
+        while let Some(first) = list.first() {
+            sums.reach(*first, Pairs::<P, F>::ADDED);
+            let mut count = 1;
+            while count < list.len() && list[count] < sums.end {
+                count += 1;
+            }
+            let (tile, rest) = list.split_at(count);
+            for entry in tile {
+                // SAFETY: `new` was promised the entries.
+                let share = unsafe { Sight::<P, F>::share::<R, N>(self.sight, law, slots, own, *entry as usize) };
+                sums.sums.take(&share, Pairs::<P, F>::ADDED);
+            }
+            list = rest;
         }
     }
 }
 
-impl<P: Scalar, F: PairFamily, const N: usize> WithLanes<P> for Listed<'_, P, F, N> {
-    /// The cluster that estimates gave no numbers for, where the work ended.
-    type Output = Option<usize>;
+/// Sums in the tiles of [`super::each`], so that they have its bits.
+struct Tiled<R, const N: usize> {
+    sums: Sums<R, N>,
+    tiles: Tiles<R, N>,
+    /// The first row of the next tile.
+    end: u32,
+}
+
+impl<R: Real, const N: usize> Tiled<R, N> {
+    /// Ends the tile before that of a row.
     #[inline(always)]
-    fn with<R: Lanes<P>>(self) -> Option<usize> {
+    fn reach(&mut self, row: u32, count: usize) {
+        if row >= self.end && self.end < u32::MAX {
+            self.tiles.take(&self.sums, count);
+            self.sums.values = [R::lit(0.0); N];
+            self.end = (row / TILE as u32 + 1).saturating_mul(TILE as u32);
+        }
+    }
+
+    #[inline(always)]
+    fn all(mut self, count: usize) -> Sums<R, N> {
+        self.tiles.take(&self.sums, count);
+        self.tiles.sum(&mut self.sums, count);
+        self.sums
+    }
+}
+
+impl<P: Scalar, F: PairFamily, const N: usize> WithLanes<P> for Listed<'_, P, F, N> {
+    /// The cluster, and its row, from which on estimates gave no numbers, where the work ended.
+    type Output = Option<(usize, usize)>;
+    #[inline(always)]
+    fn with<R: Lanes<P>>(self) -> Option<(usize, usize)> {
         // SAFETY: `new` was promised the slots.
         let slots = unsafe { Pairs::<P, F>::slots(self.call.slots) };
         let law = self.law.kernel::<R>();
         for number in self.clusters.clone() {
             let cluster = self.lists.cluster(number);
-            let mut first = 0;
+            let mut first = if number == self.clusters.start { self.start } else { 0 };
             while first < cluster.own.len() {
                 let count = R::WIDTH.min(cluster.own.len() - first);
                 if !self.rows::<R>(&law, &slots, &cluster, first, count) {
-                    return Some(number);
+                    return Some((number, first));
                 }
                 first += count;
             }

@@ -2,7 +2,7 @@
 //!
 //! In: a call, blocks of rows that meet. Out: sums of these rows. Never: two calls at once that share a row.
 //!
-//! Four rows i are each the same in all lanes, rows j in lanes; the sums of j wait in the first cache. Every row gets its sums
+//! Two rows i are each the same in all lanes, rows j in lanes; the sums of j wait in the first cache. Every row gets its sums
 //! block by block in an order that the number of rows alone decides ([`rounds`]), so the bits do not depend on the number of
 //! threads. They do depend on the width of lanes, in which the sums of i are taken: laws that allow `estimates` only.
 
@@ -107,7 +107,7 @@ impl<'a, P: Scalar, F: PairFamily, const N: usize> Meet<'a, P, F, N> {
 
     /// Rows i and rows j, which are others, meet.
     ///
-    /// The four rows i are written out: the compiler does not unroll a loop over them, and would keep them in memory.
+    /// The two rows i are written out: the compiler does not unroll a loop over them, and would keep them in memory.
     #[inline(always)]
     fn between<R: Lanes<P>>(&self, law: &F::Kernel<R>, slots: &Slots<P>, is: Range<usize>, js: Range<usize>) {
         // SAFETY: see above.
@@ -157,7 +157,7 @@ impl<'a, P: Scalar, F: PairFamily, const N: usize> Meet<'a, P, F, N> {
     fn are_finite<R: Lanes<P>>(&self, block: &Range<usize>) -> bool {
         let mut row = block.start;
         while row < block.end {
-            if !self.sums::<R>(row).are_finite::<P>(Pairs::<P, F>::ADDED) {
+            if !self.sums::<R>(row).are_finite::<P>(Pairs::<P, F>::ADDED, R::WIDTH) {
                 return false;
             }
             row += R::WIDTH;
