@@ -104,12 +104,20 @@ impl Plummer {
         let count = self.position.len();
         let (mut squares, mut sample) = (0.0, 0.0);
         for i in (0..count).step_by(count.div_ceil(500)) {
-            let mut exact = [0.0; 3];
+            // With what rounding leaves of every addition (Neumaier 1974): beside this, the sums that are measured have errors.
+            let (mut exact, mut rests) = ([0.0_f64; 3], [0.0_f64; 3]);
             for (_, place) in self.position.iter().enumerate().filter(|(j, _)| *j != i) {
                 let d = [0, 1, 2].map(|axis| place[axis] - self.position[i][axis]);
                 let r2 = d.iter().map(|d| d * d).sum::<f64>() + softening * softening;
-                (0..3).for_each(|axis| exact[axis] += self.mass() * d[axis] / (r2 * r2.sqrt()));
+                for axis in 0..3 {
+                    let share = self.mass() * d[axis] / (r2 * r2.sqrt());
+                    let sum = exact[axis] + share;
+                    let of_share = sum - exact[axis];
+                    rests[axis] += (exact[axis] - (sum - of_share)) + (share - of_share);
+                    exact[axis] = sum;
+                }
             }
+            exact.iter_mut().zip(rests).for_each(|(sum, rest)| *sum += rest);
             let found = acceleration(i);
             let off: f64 = (0..3).map(|axis| (found[axis] - exact[axis]).powi(2)).sum();
             squares += off / exact.iter().map(|a| a * a).sum::<f64>();
