@@ -88,6 +88,7 @@ pub fn stock_laws() -> &'static [StockLaw] {
         StockLaw::of::<Gravity>(),
         StockLaw::of::<GravityByParameter>(),
         StockLaw::of::<HenonHeiles>(),
+        StockLaw::of::<HierarchicalGravity>(),
         StockLaw::of::<Kinematics>(),
         StockLaw::of::<MagneticForce>(),
         StockLaw::of::<Motion>(),

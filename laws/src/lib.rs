@@ -32,6 +32,7 @@ struct Declarations;
 pub mod catalog;
 pub mod invariants;
 pub mod reference;
+mod spheres;
 mod wisdom_holman;
 
 pub use wisdom_holman::{KeplerStep, WisdomHolman, kepler_step};
@@ -55,6 +56,7 @@ laws! {
     gravity,
     gravity_by_parameter,
     henon_heiles,
+    hierarchical_gravity,
     kinematics,
     magnetic_force,
     motion,

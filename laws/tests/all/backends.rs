@@ -253,6 +253,7 @@ fn everything() -> Vec<(&'static StockLaw, &'static str)> {
         ("field_gravity", "bodies"),
         ("gravity", "bodies"),
         ("henon_heiles", "bodies"),
+        ("hierarchical_gravity", "bodies"),
         ("magnetic_force", "bodies"),
         ("motion", "bodies"),
         ("quadratic_drag", "bodies"),

@@ -9,6 +9,7 @@ mod conservation;
 mod derivatives;
 mod differences;
 mod far_field;
+mod hierarchical;
 mod implicit;
 mod jumps;
 mod kepler;
