@@ -4,23 +4,24 @@ use vesper::prelude::*;
 /// Gravitation by spheres of influence: each row goes round the one in whose sphere it is, and moves with it.
 ///
 /// Equation: a tree of two-body problems. Row i is in the sphere of a heavier row c, which itself goes round p, where
-/// |x_i - x_c| < (m_c / m_p)^(2/5) min(|x_c - x_p|, |x_i - x_p|). It goes round the row of the smallest such sphere that lies in
-/// spheres which hold it too, or round the heaviest row. What goes round p is put in order by its distance. Each thing there (a
-/// row with all that goes round it, of mass M, its centre of mass at X) and all that is further in, p included (of mass M', at
-/// X'), attract each other: each row of the thing gets G M' d / (|d|^2 + s^2)^(3/2), d = X' - X, and each row further in gets
-/// -G M d / (|d|^2 + s^2)^(3/2). The force on a row is its mass times the sum of what it gets so.
+/// |x_i - x_c| < (m_c / m_p)^(2/5) min(|x_c - x_p|, |x_i - x_p|). It goes round the row of the smallest such sphere that
+/// lies in spheres which hold it too, or round the heaviest row. What goes round p is put in order by its distance. Each
+/// thing there (a row with all that goes round it, of mass M, its centre of mass at X) and all that is further in, p
+/// included (of mass M', at X'), attract each other: each row of the thing gets the acceleration
+/// G M' d / (|d|^2 + s^2)^(3/2), d = X' - X, and each row further in -G M d / (|d|^2 + s^2)^(3/2). The force on a row is
+/// its mass times the sum of what it gets so.
 ///
-/// Source: the spheres: Laplace, Mecanique celeste IV (1805), book 9, ch. 2; Bate, Mueller, White, Fundamentals of Astrodynamics
-/// (1971), ch. 7, and Battin, An Introduction to the Mathematics and Methods of Astrodynamics (1987). The two-body problems are
-/// those of Jacobi's coordinates: Wisdom, Holman, AJ 102 (1991) 1528.
+/// Source: the spheres: Laplace, Mecanique celeste IV (1805), book 9, ch. 2; Bate, Mueller, White, Fundamentals of
+/// Astrodynamics (1971), ch. 7; Battin, An Introduction to the Mathematics and Methods of Astrodynamics (1987). The
+/// two-body problems are those of Jacobi's coordinates: Wisdom, Holman, AJ 102 (1991) 1528.
 ///
-/// Limits: a cheap model beside `gravity`, for n log n work: it leaves out what neighbours do to each other, and the tide of what is
-/// further out. In ten years it is off by 16 000 km for Mercury, 100 000 km for the Earth, 1 500 000 km for Saturn, and in one year by
-/// 150 000 km for the Moon, whose ellipse the Sun turns (`cargo test -p vesper-laws hierarchical -- --nocapture`). Momentum and
-/// angular momentum are kept; energy is, while the tree stays the same, but it is not told. The tree is found anew in every
-/// evaluation. Where a row crosses a sphere, or comes to be further out than its neighbour, accelerations jump by what
-/// either side leaves out, as in patched conics: steps go across, and the error of any integrator is of first order there.
-/// Adaptive ones take short steps. A row of mass 0 is immovable, attracts nothing, and is not attracted: test particles have a small
+/// Limits: a cheap model beside `gravity`, for n log n work: it leaves out what neighbours do to each other, and the tide
+/// of what is further out. In ten years it is off by 16 000 km for Mercury, 100 000 km for the Earth, 1 500 000 km for
+/// Saturn, and in one year by 150 000 km for the Moon, whose ellipse the Sun turns. Momentum and angular momentum are
+/// kept; energy is, while the tree stays the same, but it is not told. The tree is found anew in every evaluation. Where
+/// a row crosses a sphere, or comes to be further out than its neighbour, accelerations jump by what either side leaves
+/// out, as in patched conics: steps go across, and the error of any integrator is of first order there. Adaptive ones
+/// take short steps. A row of mass 0 is immovable, attracts nothing, and is not attracted: test particles have a small
 /// mass, below `lightest`. Without softening singular where a row meets what it goes round. Rows of like masses (a
 /// cluster) get a tree too, but no good one.
 #[derive(Law, Clone, Copy, Debug)]

@@ -3,8 +3,9 @@
 //! In: spheres, each around a place within another one. Out: those that may hold a place, the smallest sizes first. Never:
 //! whether they do.
 //!
-//! Bodies that go round the same one are not in each other's spheres, or they would go round each other: of one size a
-//! cell has a few at most, however many there are. Sizes are powers of two, so that there are tens of them at most.
+//! A sphere is in all cells that it reaches, eight at most, and a place looks into one of each size. Bodies that go round the
+//! same one are not in each other's spheres, or they would go round each other: of one size a cell has a few at most, however
+//! many there are. Sizes are powers of two, so that there are tens of them at most.
 
 use super::NONE;
 
@@ -13,9 +14,9 @@ const LEAST: f64 = 1e-14;
 
 /// Where spheres are.
 pub(super) struct Cells {
-    /// The last body in each bucket of cells, and the one before each body.
+    /// The last of the entries in each bucket of cells; of each entry the body, and the entry before it.
     buckets: Vec<u32>,
-    before: Vec<u32>,
+    entries: Vec<[u32; 2]>,
     /// The size of each body's sphere: its radius is from 2^size to 2^(size + 1).
     size: Vec<i16>,
     /// The sizes of spheres that there are within each body's sphere, smallest first.
@@ -25,8 +26,8 @@ pub(super) struct Cells {
 impl Cells {
     pub(super) fn new(bodies: usize) -> Self {
         Cells {
-            buckets: vec![NONE; (2 * bodies).next_power_of_two()],
-            before: vec![NONE; bodies],
+            buckets: vec![NONE; (4 * bodies).next_power_of_two()],
+            entries: Vec::new(),
             size: vec![0; bodies],
             sizes: vec![Vec::new(); bodies],
         }
@@ -44,30 +45,29 @@ impl Cells {
         if let Err(at) = sizes.binary_search(&size) {
             sizes.insert(at, size);
         }
-        let width = width(size);
-        let bucket = self.bucket(around, size, way.map(|along| (along / width).floor() as i64));
-        self.before[body as usize] = self.buckets[bucket];
-        self.buckets[bucket] = body;
+        // A radius is less than a quarter of the width; half as much again makes up for rounding.
+        let [low, high] = [-0.375, 0.375].map(|off| cell(way, size, off));
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                for z in low[2]..=high[2] {
+                    let bucket = self.bucket(around, size, [x, y, z]);
+                    self.entries.push([body, self.buckets[bucket]]);
+                    self.buckets[bucket] = self.entries.len() as u32 - 1;
+                }
+            }
+        }
     }
 
     /// Looks at spheres near a place, until one of the size looked at is found. Spheres within others may be among them.
     pub(super) fn near(&self, around: u32, way: [f64; 3], look: &mut impl FnMut(u32) -> bool) {
         for &size in &self.sizes[around as usize] {
-            let width = width(size);
-            // A radius is less than a quarter of the width; half as much again makes up for rounding.
-            let [low, high] = [-0.375, 0.375].map(|off| way.map(|along| (along / width + off).floor() as i64));
             let mut found = false;
-            for x in low[0]..=high[0] {
-                for y in low[1]..=high[1] {
-                    for z in low[2]..=high[2] {
-                        let mut body = self.buckets[self.bucket(around, size, [x, y, z])];
-                        while body != NONE {
-                            // Others share the bucket.
-                            found |= self.size[body as usize] == size && look(body);
-                            body = self.before[body as usize];
-                        }
-                    }
-                }
+            let mut entry = self.buckets[self.bucket(around, size, cell(way, size, 0.0))];
+            while entry != NONE {
+                let [body, before] = self.entries[entry as usize];
+                // Others share the bucket.
+                found |= self.size[body as usize] == size && look(body);
+                entry = before;
             }
             if found {
                 return;
@@ -87,7 +87,8 @@ impl Cells {
     }
 }
 
-/// The width of cells for spheres of this size.
-fn width(size: i16) -> f64 {
-    2.0_f64.powi(i32::from(size) + 3)
+/// The cell of this size in which a place is, or one that is off by so many widths along each axis.
+fn cell(way: [f64; 3], size: i16, off: f64) -> [i64; 3] {
+    let width = 2.0_f64.powi(i32::from(size) + 3);
+    way.map(|along| (along / width + off).floor() as i64)
 }

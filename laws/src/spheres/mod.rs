@@ -8,20 +8,21 @@
 //! into one within that, until none does. A sphere that sticks out of the one it lies in ends there.
 //!
 //! What was refused:
-//! - *Hill's radius*, a (m / 3 M)^(1/3), for Laplace's, a (m / M)^(2/5). Hill's says how far from m orbits are stable; Laplace's, where
-//!   either two-body problem leaves out the same share. For the Earth these are 1.5e9 m and 0.92e9 m, and between them an orbit
-//!   round the Sun is the better one.
-//! - *Laplace's sphere as it is.* It is derived for m far below M; for equal masses it reaches the other body, and takes what is
-//!   next to that. So a body counts as within only if its distance from m is below (m / M)^(2/5) times its own distance from M,
-//!   too, which is what the derivation compares. It cuts off a share of (m / M)^(2/5) on the side of M, 0.6 % for the Earth.
+//! - *Hill's radius*, a (m / 3 M)^(1/3), for Laplace's, a (m / M)^(2/5). Hill's says how far from m orbits are stable;
+//!   Laplace's, where either two-body problem leaves out the same share. For the Earth these are 1.5e9 m and 0.92e9 m, and
+//!   between them an ellipse round the Sun leaves out less.
+//! - *Laplace's sphere as it is.* It is derived for m far below M; for equal masses it reaches the other body, and takes
+//!   what is next to that. So a body counts as within only if its distance from m is below (m / M)^(2/5) times its own
+//!   distance from M, too, which is what the derivation compares. It cuts off a share of (m / M)^(2/5) on the side of M,
+//!   0.6 % for the Earth.
 //! - *The semi-major axis* for the present distance a: it needs velocities, and then forces depend on them, which most
-//!   splitting integrators refuse; and on a fly-by there is none.
-//! - *The attractor alone* for it with all that is further in. Then either the attractor is not pulled back, and momentum is lost,
-//!   or its recoil by one body throws the others off. Jupiter moves the Sun by 12 m/s: Neptune's ellipse about the Sun alone is off by
-//!   4 000 000 km in ten years, about the centre of mass of what is further in by 26 000 km. Mars is the one planet that
-//!   loses by it, 1.6 times.
-//! - *A switch*, at which steps end. It holds numbers of rows, and a law of whole columns would have to hold the tree; and of a
-//!   million rows one crosses a sphere in every step, and two a neighbour's distance.
+//!   splitting integrators refuse; and on a fly-by it is below 0.
+//! - *The attractor alone* for it with all that is further in. Then either the attractor is not pulled back, and momentum is
+//!   lost, or its recoil by one body throws the others off. Jupiter moves the Sun by 12 m/s: Neptune's ellipse about the
+//!   Sun alone is off by 4 000 000 km in ten years, about the centre of mass of what is further in by 26 000 km. Mars is the
+//!   one planet that loses by that much, 1.6 times, and Jupiter loses 1.1 times.
+//! - *A switch*, at which steps end. It holds numbers of rows, and a law of whole columns would have to hold the tree; and
+//!   of a million rows one crosses a sphere in every step, or a neighbour's distance.
 
 mod accelerations;
 mod cells;
@@ -54,7 +55,7 @@ pub(crate) fn orbits<P: Precision>(places: &[P::Vec3], masses: &[P], attractors:
         }
         orbits.push(Orbit { around, way, square });
         if 0 < body && body < attractors {
-            spheres.insert(body as u32, orbits[body], masses[body] / masses[around as usize]);
+            spheres.insert(body as u32, &orbits, masses[body] / masses[around as usize]);
         }
     }
     orbits
@@ -93,15 +94,21 @@ impl<P: Precision> Spheres<P> {
         }
     }
 
-    fn insert(&mut self, body: u32, orbit: Orbit<P>, ratio: P) {
-        let (at, around) = (body as usize, orbit.around as usize);
+    fn insert(&mut self, body: u32, orbits: &[Orbit<P>], ratio: P) {
+        let (at, around) = (body as usize, orbits[body as usize].around as usize);
         let share = ratio.powf(P::lit(0.4));
         self.share[at] = share * share;
         self.before[at] = self.last[around];
         self.last[around] = body;
         self.count[around] += 1;
-        let radius = share.to_f64() * orbit.square.to_f64().sqrt();
-        self.cells.insert(body, orbit.around, components::<P>(orbit.way), radius);
+        // Once they are many, all of them get cells.
+        let mut next = if self.count[around] > FEW { body } else { NONE };
+        while next != NONE {
+            let Orbit { around: attractor, way, square } = orbits[next as usize];
+            let radius = (self.share[next as usize] * square).to_f64().sqrt();
+            self.cells.insert(next, attractor, components::<P>(way), radius);
+            next = if self.count[around] == FEW + 1 { self.before[next as usize] } else { NONE };
+        }
     }
 
     /// The smallest sphere directly within that of `around` that holds a place, and the way from its body; of equal ones
