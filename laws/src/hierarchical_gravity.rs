@@ -98,10 +98,12 @@ mod tests {
         for planet in 1..6 {
             let [distance, mass] = [f64::from(planet), 1e-3 / f64::from(planet)];
             let at = (DVec3::new(next(), next(), next())).normalize() * distance;
-            (places.push(at.to_array()), masses.push(mass));
+            places.push(at.to_array());
+            masses.push(mass);
             for moon in 1..5 {
                 let near = (DVec3::new(next(), next(), next())).normalize() * (f64::from(moon) * 0.01 * distance);
-                (places.push((at + near).to_array()), masses.push(mass * 1e-4));
+                places.push((at + near).to_array());
+                masses.push(mass * 1e-4);
             }
         }
         for light in 0..300 {
