@@ -196,10 +196,13 @@ macro_rules! sized {
 unsafe fn run<P: Scalar, F: PairFamily, S: Sight<P, F>>(law: &F, isa: Isa, call: &PairCall<'_, P>, sight: S) {
     if const { F::SIGNATURE.estimates } && call.estimates {
         let mut call = call.clone();
-        // SAFETY: passed on to the caller.
-        while let Some(rows) =
-            sized!(F, N => P::with_estimates(isa, unsafe { Each::<_, _, _, N>::new(law, &call, sight) }))
-        {
+        macro_rules! each {
+            ($n:ident) => {{
+                // SAFETY: passed on to the caller.
+                unsafe { Each::<_, _, _, $n>::new(law, &call, sight) }
+            }};
+        }
+        while let Some(rows) = sized!(F, N => P::with_estimates(isa, each!(N))) {
             // What estimates have no number for, too small or too large a square, the body itself may have.
             let exact = PairCall { rows: rows.clone(), estimates: false, ..call.clone() };
             // SAFETY: as above.

@@ -353,7 +353,7 @@ impl<R: Real, const N: usize> Sums<R, N> {
         // Zero, but NaN where a number is infinite or NaN.
         let mut nothing = R::lit(0.0);
         for number in &self.values[..count] {
-            nothing += *number - *number;
+            nothing += *number * R::lit(0.0);
         }
         if lanes >= R::WIDTH {
             return nothing.sum().is_finite();

@@ -122,7 +122,7 @@ pub(super) fn run<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) {
     fit(&mut far, pass, square, context);
     let threads = OnThreads { context, threads: pass.threads };
     let places = places(pass, far.place);
-    let FarField { far: method, source, response, found, .. } = &mut far;
+    let FarField { far: method, source, response, found, .. } = &mut *far;
     let out = found.each_mut().map(Aligned::as_mut_slice);
     method.field(context.isa, places, source.as_slice(), square, out, &threads);
     let first = pass.slots.len() - pass.kernel.added();
@@ -144,7 +144,7 @@ pub(super) fn energy<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>
     fit(&mut far, pass, square, context);
     let threads = OnThreads { context, threads: pass.threads };
     let places = places(pass, far.place);
-    let FarField { far: method, source, response, found: [potential, ..], .. } = &mut far;
+    let FarField { far: method, source, response, found: [potential, ..], .. } = &mut *far;
     method.potential(context.isa, places, source.as_slice(), square, potential.as_mut_slice(), &threads);
     let each = potential.as_slice().iter().zip(response.as_slice());
     // Each pair is met from both sides.

@@ -1,7 +1,6 @@
 //! Runs the pass of a pair law. In: a pass that is tied to a state. Out: sums in their columns, or an energy. Never: a body.
 
 use super::bind::{Base, PairPass};
-use super::neighbours::Neighbours;
 use super::pass::first_result;
 use super::run::{Context, in_parts};
 use crate::backend::{BLOCK, PairCall, Tally, rounds};
@@ -40,7 +39,7 @@ impl<P: Scalar> PairPass<P> {
     #[inline]
     pub(super) fn call(&self, rows: Range<usize>) -> PairCall<'_, P> {
         let PairPass { slots, rests, first, estimates, .. } = self;
-        let square = self.near.as_ref().map_or(P::default(), Neighbours::square);
+        let square = self.near.as_ref().map_or(P::default(), |near| near.square());
         PairCall { slots, rests, rows, others: 0..self.rows, first: *first, estimates: *estimates, square }
     }
 

@@ -34,9 +34,9 @@ pub(crate) struct PairPass<P: Scalar> {
     /// What looking at each pair once takes, where it pays.
     pub(crate) once: Option<Once<P>>,
     /// What a law that ends at a distance keeps.
-    pub(crate) near: Option<Neighbours<P>>,
+    pub(crate) near: Option<Box<Neighbours<P>>>,
     /// What a law with a far field keeps.
-    pub(crate) far: Option<FarField<P>>,
+    pub(crate) far: Option<Box<FarField<P>>>,
     /// Whether it is one call of the kernel, on numbers where they stand.
     pub(crate) is_one_call: bool,
     /// Keeps the constants that `slots` points to.
@@ -99,9 +99,9 @@ impl<P: Scalar> Binder<'_, P> {
             pass.slots.push(pointer);
         }
         let signature = &self.pipeline.entries[law].signature;
-        pass.near = Neighbours::new(signature, &self.laws[law].compiled.parameters);
+        pass.near = Neighbours::new(signature, &self.laws[law].compiled.parameters).map(Box::new);
         let far = self.pipeline.entries[law].options.far_field.filter(|_| kernel.is_inverse_square());
-        pass.far = far.and_then(|error| FarField::new(signature, rows, error));
+        pass.far = far.and_then(|error| FarField::new(signature, rows, error)).map(Box::new);
         if pass.near.is_none()
             && pass.far.is_none()
             && self.pipeline.takes_differences(law)
