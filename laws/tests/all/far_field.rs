@@ -5,7 +5,7 @@ use vesper::real::Isa;
 use vesper_laws::{Coulomb, Gravity, Motion, UniformGravity};
 
 const STEP: f64 = 1.0 / (1_u64 << 40) as f64;
-const ROWS: usize = 12_000;
+const ROWS: usize = 16_000;
 
 /// Numbers without order in 0 to 1, the same every time.
 struct Numbers(u64);
