@@ -4,7 +4,7 @@
 //! arguments of their own, because only then does the compiler know that they do not overlap.
 
 mod coloured;
-#[cfg(target_arch = "x86_64")]
+#[cfg_attr(not(target_arch = "x86_64"), path = "direct_elsewhere.rs")]
 pub mod direct;
 mod rows;
 mod springs;

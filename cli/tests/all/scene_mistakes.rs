@@ -53,6 +53,16 @@ const TABLE: &[(&str, &str)] = &[
     ("[constants]\nc = nan", "2:5: expected a number, found nan"),
     ("[constants]\nc = inf", "2:5: expected a finite number, found inf"),
     ("[constants]\nc = 1e999", "2:5: expected a finite number, found inf"),
+    // Far fields.
+    (
+        "[[laws]]\nname = \"gravity\"\nfar_field = { method = \"multipol\", error = 1e-4 }",
+        "3:24: expected \"multipole\", found \"multipol\"; did you mean `multipole`?",
+    ),
+    ("[[laws]]\nname = \"gravity\"\nfar_field = { method = \"multipole\" }", "3:13: a far field needs `error`"),
+    (
+        "[[laws]]\nname = \"gravity\"\nfar_field = 1e-4",
+        "3:13: expected a table such as `{ method = \"multipole\", error = 1e-4 }`, found a number",
+    ),
     // Columns.
     (
         "[domains.a]\nmass = 1",
