@@ -29,6 +29,7 @@ const STANDARD: &[PropertyInfo] = &[
     Stiffness::INFO,
     Damping::INFO,
     RestLength::INFO,
+    PeriodicBox::INFO,
     Time::INFO,
     GravityAcceleration::INFO,
     SpeedOfLight::INFO,
