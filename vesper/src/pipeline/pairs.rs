@@ -2,7 +2,7 @@
 
 use super::bind::{Base, PairPass};
 use super::pass::first_result;
-use super::run::{Context, in_parts};
+use super::run::{Context, among_threads, in_parts};
 use crate::backend::{BLOCK, PairCall, Tally, rounds};
 use crate::column::Aligned;
 use crate::real::Scalar;
@@ -147,14 +147,16 @@ fn energy<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 {
 fn meet<P: Scalar>(pass: &PairPass<P>, once: &Once<P>, context: &Context<'_, P>) {
     let (isa, kernel) = (context.isa, &pass.kernel);
     let call = PairCall { others: 0..once.rows, ..pass.call(0..once.rows) };
-    for round in &once.rounds {
-        in_parts(context, pass.threads, round.len(), 1, |meetings| {
-            for &blocks in &round[meetings] {
-                // SAFETY: the slots and the tally have numbers for every row, and in one round no block meets two others.
-                unsafe { kernel.meet(isa, &call, &once.tally, blocks) };
-            }
-        });
-    }
+    among_threads(context, pass.threads, || {
+        for round in &once.rounds {
+            in_parts(context, pass.threads, round.len(), 1, |meetings| {
+                for &blocks in &round[meetings] {
+                    // SAFETY: the slots and the tally have numbers for every row, and in one round no block meets two others.
+                    unsafe { kernel.meet(isa, &call, &once.tally, blocks) };
+                }
+            });
+        }
+    });
     in_parts(context, pass.threads, once.rows, BLOCK, |rows| {
         // SAFETY: as above; parts are of different rows.
         unsafe { kernel.give(isa, &PairCall { rows, ..call.clone() }, &once.tally) };

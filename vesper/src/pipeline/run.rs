@@ -127,6 +127,19 @@ struct Shared<T>(T);
 // SAFETY: whoever makes one sends it to threads that touch disjoint rows.
 unsafe impl<T> Sync for Shared<T> {}
 
+/// Does work that is many calls of [`in_parts`] on one of the threads that they take: else each call would wake one, and wait.
+pub(super) fn among_threads<P: Scalar>(context: &Context<'_, P>, threads: usize, work: impl Fn()) {
+    #[cfg(feature = "parallel")]
+    if let (Some(pool), true) = (&context.machine.pool, threads > 1) {
+        let work = Shared(work);
+        let work = &work;
+        return pool.install(move || (work.0)());
+    }
+    #[cfg(not(feature = "parallel"))]
+    let _ = (context, threads);
+    work();
+}
+
 /// Calls `work` with the parts of `0..count`, on as many threads; parts begin at multiples of `grain`.
 #[inline]
 pub(super) fn in_parts<P: Scalar>(
