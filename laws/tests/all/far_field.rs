@@ -1,5 +1,6 @@
 //! Far rows summed together: the error that is asked for, the same bits on any number of threads, and what is refused.
 
+use crate::pairs::off;
 use vesper::prelude::*;
 use vesper::real::Isa;
 use vesper_laws::{Coulomb, Gravity, Motion, UniformGravity};
@@ -45,16 +46,6 @@ fn engine<P: Precision>(law: impl Listing, threads: usize) -> Engine<P> {
 fn kicks<P: Precision>(engine: &mut Engine<P>) -> Vec<f64> {
     engine.steps_of(1, STEP).unwrap();
     engine.state().numbers("bodies", Velocity).unwrap()
-}
-
-/// The root mean square of differences of vectors, each in parts of the vector's length.
-fn off(found: &[f64], exact: &[f64]) -> f64 {
-    let squares = |numbers: &[f64]| numbers.iter().map(|x| x * x).sum::<f64>();
-    let each = found.chunks(3).zip(exact.chunks(3)).map(|(found, exact)| {
-        let difference: Vec<f64> = found.iter().zip(exact).map(|(a, b)| a - b).collect();
-        squares(&difference) / squares(exact)
-    });
-    (each.sum::<f64>() * 3.0 / found.len() as f64).sqrt()
 }
 
 #[test]

@@ -33,7 +33,7 @@ fn accelerations<P: Precision>(places: &[[f64; 3]], softening: f64, isa: Isa, es
 }
 
 /// The root mean square of differences of vectors, each in parts of the vector's length.
-fn off(found: &[f64], exact: &[f64]) -> f64 {
+pub(crate) fn off(found: &[f64], exact: &[f64]) -> f64 {
     let squares = |numbers: &[f64]| numbers.iter().map(|x| x * x).sum::<f64>();
     let each = found.chunks(3).zip(exact.chunks(3)).map(|(found, exact)| {
         let difference: Vec<f64> = found.iter().zip(exact).map(|(a, b)| a - b).collect();

@@ -2,6 +2,7 @@
 //! or an energy. Never: the method itself.
 
 use super::bind::PairPass;
+use super::neighbours::places;
 use super::run::{Context, in_parts};
 use crate::backend::{Accuracy, Effort, Far, Parts, distance_slot, far_pays};
 use crate::column::Aligned;
@@ -79,12 +80,6 @@ fn form<P: Scalar>(pass: &PairPass<P>, far: &FarField<P>) -> P {
     softening * softening
 }
 
-/// The rows' coordinates.
-fn places<'a, P: Scalar>(pass: &PairPass<P>, place: usize) -> [&'a [P]; 3] {
-    // SAFETY: as above, and nobody changes it while laws are evaluated.
-    [0, 1, 2].map(|side| unsafe { core::slice::from_raw_parts(pass.slots[place + side], pass.rows) })
-}
-
 /// What a calibration has found.
 pub(crate) type Fit = (Effort, Accuracy);
 
@@ -101,7 +96,7 @@ fn fit<P: Scalar>(far: &mut FarField<P>, pass: &PairPass<P>, square: P, context:
         None => {
             let first = far.far.effort();
             let threads = OnThreads { context, threads: pass.threads };
-            let places = places(pass, far.place);
+            let places = places(&pass.slots, far.place, pass.rows);
             let found = far.far.calibrate(context.isa, places, far.source.as_slice(), square, &threads);
             if found.measured.is_nan() || found.measured == 0.0 {
                 // There is no field yet, or none that is a number: another evaluation tells.
@@ -121,7 +116,7 @@ pub(super) fn run<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) {
     let square = form(pass, &far);
     fit(&mut far, pass, square, context);
     let threads = OnThreads { context, threads: pass.threads };
-    let places = places(pass, far.place);
+    let places = places(&pass.slots, far.place, pass.rows);
     let FarField { far: method, source, response, found, .. } = &mut *far;
     let out = found.each_mut().map(Aligned::as_mut_slice);
     method.field(context.isa, places, source.as_slice(), square, out, &threads);
@@ -143,7 +138,7 @@ pub(super) fn energy<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>
     let square = form(pass, &far);
     fit(&mut far, pass, square, context);
     let threads = OnThreads { context, threads: pass.threads };
-    let places = places(pass, far.place);
+    let places = places(&pass.slots, far.place, pass.rows);
     let FarField { far: method, source, response, found: [potential, ..], .. } = &mut *far;
     method.potential(context.isa, places, source.as_slice(), square, potential.as_mut_slice(), &threads);
     let each = potential.as_slice().iter().zip(response.as_slice());

@@ -114,8 +114,8 @@ fn lengths<P: Scalar>(near: &Neighbours<P>, slots: &[*mut P]) -> [f64; 3] {
     })
 }
 
-/// The rows' coordinates.
-fn places<'a, P: Scalar>(slots: &[*mut P], place: usize, rows: usize) -> [&'a [P]; 3] {
+/// The rows' coordinates, from slot `place` on.
+pub(super) fn places<'a, P: Scalar>(slots: &[*mut P], place: usize, rows: usize) -> [&'a [P]; 3] {
     // SAFETY: a pass has a number for each row of what its law reads, and nobody changes it while laws are evaluated.
     [0, 1, 2].map(|side| unsafe { core::slice::from_raw_parts(slots[place + side], rows) })
 }

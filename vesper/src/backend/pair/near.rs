@@ -203,10 +203,8 @@ impl<'a, P: Scalar, F: PairFamily, const N: usize> Listed<'a, P, F, N> {
     ) {
         while let Some(first) = list.first() {
             sums.reach(*first, Pairs::<P, F>::ADDED);
-            let mut count = 1;
-            while count < list.len() && list[count] < sums.end {
-                count += 1;
-            }
+            let end = sums.end;
+            let count = if end == u32::MAX { list.len() } else { list.partition_point(|entry| *entry < end) };
             let (tile, rest) = list.split_at(count);
             for entry in tile {
                 // SAFETY: `new` was promised the entries.
