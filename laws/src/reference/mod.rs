@@ -1,8 +1,9 @@
 //! Problems with known answers: initial state, laws, and where everything is at a later time. Written once, for tests,
 //! benches and examples.
 //!
-//! In: nothing but the laws of this crate. Out: [`Problem`]s. Never: an integrator or a step, which are the caller's.
+//! In: nothing but the laws of this crate. Out: [`Problem`]s, and a [`crowd`] for each law. Never: an integrator or a step, which are the caller's.
 
+pub mod crowd;
 mod cyclotron;
 mod drag;
 mod kepler;

@@ -3,83 +3,16 @@
 //! roundings of the others. The laws are taken from the catalog, so that none can be forgotten.
 
 use vesper::backend::Compiled;
-use vesper::law::{Mode, Place, Port};
 use vesper::prelude::*;
-use vesper::property::Role;
+use vesper::property::PropertyInfo;
 use vesper::real::Isa;
 use vesper::registry::Options;
 use vesper_laws::catalog::{StockLaw, stock_law, stock_laws};
+use vesper_laws::reference::crowd::{Numbers, crowd, parameters, results, surroundings};
 use vesper_laws::{Gravity, Motion};
 
 /// More than a block of 512 rows, and no multiple of any width of lanes.
 const ROWS: usize = 1043;
-
-/// Numbers without order in 0.5 to 1.5, the same every time.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        // Knuth's linear congruential generator (MMIX), its upper bits.
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64 + 0.5
-    }
-
-    /// A column of a property: vectors in all directions, numbers above 0.
-    fn column<P: Precision>(&mut self, domain: Domain<P>, property: PropertyInfo, rows: usize) -> Domain<P> {
-        let width = property.kind.width();
-        let shift = if width == 1 { 0.0 } else { 1.0 };
-        let numbers = (0..rows * width).map(|_| self.next() - shift).collect();
-        domain.with(property, vesper::column::Values::new(width, numbers))
-    }
-}
-
-/// The columns that a client gives so that a law runs: what it reads and rates, but not sums, which laws make.
-fn given(port: &Port) -> bool {
-    let computed = matches!(port.property.role, Role::Sum { .. }) || matches!(port.mode, Mode::Sets | Mode::Adds);
-    matches!(port.place, Place::Own | Place::End) && !computed
-}
-
-/// Gives every domain what the laws that stand on it touch.
-fn domains<P: Precision>(laws: &[(&StockLaw, &str)]) -> Vec<Domain<P>> {
-    let mut numbers = Numbers(1);
-    let mut names: Vec<&str> = laws.iter().map(|(_, domain)| *domain).collect();
-    names.dedup();
-    let mut made = Vec::new();
-    for name in names {
-        let mut properties: Vec<PropertyInfo> = vec![Position::INFO];
-        let mut ends: Vec<PropertyInfo> = vec![Position::INFO];
-        let mut link = None;
-        for (law, _) in laws.iter().filter(|(_, domain)| *domain == name) {
-            for port in law.signature.ports.iter().filter(|port| given(port)) {
-                let to = if port.place == Place::End { &mut ends } else { &mut properties };
-                if !to.iter().any(|known| known.name == port.property.name) {
-                    to.push(port.property);
-                }
-            }
-            link = link.or(law.signature.link);
-        }
-        // What a law of the same domain sets is not given.
-        let on_domain = laws.iter().filter(|(_, domain)| *domain == name);
-        let set: Vec<&str> = on_domain
-            .flat_map(|(law, _)| law.signature.ports.iter())
-            .filter(|port| port.mode == Mode::Sets)
-            .map(|port| port.property.name)
-            .collect();
-        properties.retain(|property| !set.contains(&property.name));
-        if let Some(link) = link {
-            // Every row is linked to several times, out of order.
-            let rows = (0..2 * ROWS as u32).map(|row| [row * 7 % ROWS as u32, (row * 13 + 5) % ROWS as u32]);
-            let linked = format!("{name}_ends");
-            made.push(ends.iter().fold(Domain::new(&linked), |domain, info| numbers.column(domain, *info, ROWS)));
-            let domain = Domain::new(name).link(link, &linked, rows);
-            properties.retain(|property| property.name != Position::NAME);
-            made.push(properties.iter().fold(domain, |domain, info| numbers.column(domain, *info, 2 * ROWS)));
-        } else {
-            made.push(properties.iter().fold(Domain::new(name), |domain, info| numbers.column(domain, *info, ROWS)));
-        }
-    }
-    made
-}
 
 #[derive(Clone, Copy, Debug)]
 struct Machine {
@@ -89,37 +22,24 @@ struct Machine {
     estimates: bool,
 }
 
-/// A number for every parameter that has no default.
-fn parameters(law: &StockLaw) -> Vec<f64> {
-    let declared = law.signature.parameters.iter();
-    declared.flat_map(|parameter| parameter.default.unwrap_or([0.7; 3]).into_iter().take(parameter.width)).collect()
-}
-
 /// Runs laws for three steps: the engine, and the properties that they moved or computed, with their domains.
 fn run<P: Precision>(
     laws: &[(&StockLaw, &str)],
     order: &[usize],
     machine: Machine,
 ) -> (Engine<P>, Vec<(String, PropertyInfo)>) {
-    let mut builder = Engine::<P>::builder()
+    let mut builder = surroundings(Engine::<P>::builder())
         .integrator(SemiImplicitEuler)
         .step(1e-3)
         .isa(machine.isa)
         .backend(machine.backend)
         .threads(machine.threads)
-        .estimates(machine.estimates)
-        .constant(GravityAcceleration, [[0.1, 0.2, -9.81]])
-        .constant(SpeedOfLight, [20.0])
-        .field(GravityField, |place: P::Vec3, time: P| place * time)
-        .field(ElectricField, Point { at: [0.1, 0.2, 0.3], strength: 2.0 })
-        .field(MagneticField, Uniform { value: [0.3, -0.2, 1.5] });
+        .estimates(machine.estimates);
     if laws.len() > 1 {
         // So many laws at once move rows through contact thousands of times in a step.
         builder = builder.across_jumps();
     }
-    let domains = domains::<P>(laws);
-    let names: Vec<String> = laws.iter().map(|(_, domain)| (*domain).to_owned()).collect();
-    for domain in domains {
+    for domain in crowd(laws, ROWS) {
         builder = builder.domain(domain);
     }
     for &law in order {
@@ -130,17 +50,9 @@ fn run<P: Precision>(
         builder = builder.listed(compiled, options);
     }
     // In the order of the laws' declaration, whatever the order of registration.
-    let mut looked_at = Vec::new();
-    for ((law, _), domain) in laws.iter().zip(&names) {
-        for port in law.signature.ports.iter().filter(|port| !port.mode.is_input()) {
-            if port.property.role == Role::Switch {
-                // It is a law's own: nobody else knows its name.
-                continue;
-            }
-            let on = if port.place == Place::End { format!("{domain}_ends") } else { domain.clone() };
-            builder = builder.observe(&on, port.property);
-            looked_at.push((on, port.property));
-        }
+    let looked_at: Vec<_> = laws.iter().flat_map(|(law, domain)| results(law, domain)).collect();
+    for (domain, property) in &looked_at {
+        builder = builder.observe(domain, *property);
     }
     let mut engine = builder.build().unwrap();
     for law in &engine.report().laws {
@@ -288,9 +200,9 @@ fn any_order_of_registration_gives_the_same_bits() {
     let forward: Vec<usize> = (0..laws.len()).collect();
     let reference = bits::<f64>(&laws, &forward, REFERENCE);
     let mut orders = vec![forward.iter().rev().copied().collect::<Vec<_>>()];
-    let mut numbers = Numbers(5);
+    let mut numbers = Numbers::new(5);
     for _ in 0..8 {
-        let mut keys: Vec<(f64, usize)> = forward.iter().map(|&law| (numbers.next(), law)).collect();
+        let mut keys: Vec<(f64, usize)> = forward.iter().map(|&law| (numbers.next_number(), law)).collect();
         keys.sort_by(|a, b| a.0.total_cmp(&b.0));
         orders.push(keys.into_iter().map(|(_, law)| law).collect());
     }
@@ -305,8 +217,8 @@ fn any_order_of_registration_gives_the_same_bits() {
 /// Loops take the last rows in whole registers, and leave anything behind them: nothing that counts may stand there.
 fn any_number_of_rows<P: Precision>() {
     let run = |rows: usize, isa: Isa, compensated: bool| {
-        let mut numbers = Numbers(rows as u64);
-        let mut triple = || [0; 3].map(|_| numbers.next());
+        let mut numbers = Numbers::new(rows as u64);
+        let mut triple = || [0; 3].map(|_| numbers.next_number());
         let bodies = Domain::new("bodies")
             .with(Position, (0..rows).map(|_| triple()).collect::<Vec<_>>())
             .with(Velocity, (0..rows).map(|_| triple()).collect::<Vec<_>>())

@@ -1,5 +1,6 @@
 //! The loops of pair laws: estimates and their limits, each pair once, sums that do not grow worse with the number of rows.
 
+use std::sync::atomic::{AtomicI64, Ordering};
 use vesper::prelude::*;
 use vesper::real::Isa;
 use vesper_laws::{Gravity, Motion};
@@ -144,4 +145,35 @@ fn a_law_that_gives_more_than_it_takes_may_not_say_that_it_does_not() {
     );
     // Where nobody takes it at its word it runs as it is.
     builder::<f64>(&places(511), Isa::detect(), true).law(law()).build().unwrap().steps_of(1, STEP).unwrap();
+}
+
+/// Gravitation that gives up after so many calls of its body.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(reads(position: Position, mass: Mass), adds(force: Force), antisymmetric, estimates)]
+struct GivesUp<R = f64> {
+    /// Constant of gravitation.
+    #[law(unit = "m^3 kg^-1 s^-2", default = 1.0)]
+    g: R,
+}
+
+static CALLS_LEFT: AtomicI64 = AtomicI64::new(i64::MAX);
+
+#[kernel]
+impl<R: Real> PairLaw<R> for GivesUp<R> {
+    fn pair(&self, i: GivesUpRow<R>, j: GivesUpRow<R>) -> R::Vec3 {
+        assert!(CALLS_LEFT.fetch_sub(1, Ordering::Relaxed) > 0, "the body gives up");
+        let d = j.position - i.position;
+        d * (self.g * i.mass * j.mass).over_root_cubed(d.length_squared() + R::lit(1.0))
+    }
+}
+
+#[test]
+fn a_body_that_panics_holds_up_no_other_thread() {
+    let places = places(2000);
+    let builder = builder::<f32>(&places, Isa::detect(), true).law(GivesUp { g: 1.0 }).threads(3);
+    let mut engine = builder.backend(Backend::Parallel).build().unwrap();
+    engine.steps_of(1, STEP).unwrap();
+    CALLS_LEFT.store(50_000, Ordering::Relaxed);
+    let step = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| engine.steps_of(1, STEP)));
+    assert!(step.is_err(), "the panic is passed on");
 }

@@ -24,7 +24,9 @@ pub(crate) use column::ColumnKernel;
 pub(crate) use far::{Accuracy, Effort, Far, Parts, pays as far_pays};
 pub(crate) use link::{LinkCall, LinkKernel, Links, Strided};
 pub(crate) use near::{Lists, Reach as ListReach, Unfit};
-pub(crate) use pair::{BLOCK, PAYS, PairCall, PairKernel, Tally, box_slot, coordinate_slots, distance_slot, rounds};
+pub(crate) use pair::{
+    PAYS, PairCall, PairKernel, Tally, box_slot, coordinate_slots, distance_slot, meeting_block, rounds,
+};
 pub(crate) use pointers::{MAX_SLOTS, row_of, wants};
 pub(crate) use row::{AHEAD, RowCall, RowKernel};
 pub(crate) use tangent::{DualReach, Reach, TangentCall};

@@ -10,7 +10,7 @@ mod sight;
 
 pub(crate) use apart::coordinate_slots;
 pub(crate) use near::{box_slot, distance_slot, images};
-pub(crate) use once::{BLOCK, PAYS, Tally, rounds};
+pub(crate) use once::{PAYS, Tally, meeting_block, rounds};
 
 use super::near::Lists;
 use super::pointers::{MAX_SLOTS, Rows, SUMS, Slots, first_output, slot_count, slots_at};
@@ -70,8 +70,8 @@ pub(crate) trait PairKernel<P: Scalar>: Send + Sync {
     ///
     /// # Safety
     /// As for `run`, of all rows, which are a multiple of 64; the tally has numbers for all of them; nobody else touches those of
-    /// the blocks.
-    unsafe fn meet(&self, isa: Isa, call: &PairCall<'_, P>, tally: &Tally<P>, blocks: [usize; 2]);
+    /// the blocks. For each number that the law adds to there is scratch for two blocks, which nobody else touches.
+    unsafe fn meet(&self, isa: Isa, call: &PairCall<'_, P>, to: (&Tally<P>, &[*mut P]), blocks: [usize; 2]);
     /// The rows of the call get what the tally has for them, and it is emptied.
     ///
     /// # Safety
@@ -264,14 +264,14 @@ impl<P: Scalar, F: PairFamily> PairKernel<P> for F {
         (F::ENERGY && F::SIGNATURE.cutoff.is_some()).then(|| unsafe { near::energy(self, call, lists) })
     }
 
-    unsafe fn meet(&self, isa: Isa, call: &PairCall<'_, P>, tally: &Tally<P>, blocks: [usize; 2]) {
+    unsafe fn meet(&self, isa: Isa, call: &PairCall<'_, P>, to: (&Tally<P>, &[*mut P]), blocks: [usize; 2]) {
         if const { F::SIGNATURE.estimates && F::SIGNATURE.antisymmetric } {
             sized!(F, N => {
                 // SAFETY: the caller promises the same.
-                if !P::with_estimates(isa, unsafe { Meet::<_, _, N>::new(self, call, tally, blocks) }) {
+                if !P::with_estimates(isa, unsafe { Meet::<_, _, N>::new(self, call, to, blocks) }) {
                     // Seldom, so that it need not be fast.
                     // SAFETY: as above.
-                    WithLanes::<P>::with::<P>(unsafe { Meet::<_, _, N>::new(self, call, tally, blocks) });
+                    WithLanes::<P>::with::<P>(unsafe { Meet::<_, _, N>::new(self, call, to, blocks) });
                 }
             });
         }

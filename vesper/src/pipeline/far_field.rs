@@ -3,7 +3,8 @@
 
 use super::bind::PairPass;
 use super::neighbours::places;
-use super::run::{Context, in_parts};
+use super::run::Context;
+use super::threads::in_parts;
 use crate::backend::{Accuracy, Effort, Far, Parts, distance_slot, far_pays};
 use crate::column::Aligned;
 use crate::law::Signature;

@@ -162,7 +162,7 @@ impl<P: Scalar> Group<P> {
         }
         let blocks = rows.div_ceil(*block);
         let each = blocks.div_ceil(desks.len());
-        super::run::on_threads(context, desks, |thread, desk| {
+        super::threads::on_desks(context, desks, |thread, desk| {
             // SAFETY: passed on to the caller; threads get different blocks, which are different rows.
             unsafe { body.blocks((thread * each).min(blocks)..((thread + 1) * each).min(blocks), desk) };
         });

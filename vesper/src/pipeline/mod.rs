@@ -30,6 +30,7 @@ mod run;
 mod sum;
 mod switches;
 mod tangent;
+mod threads;
 mod turning;
 mod vectors;
 

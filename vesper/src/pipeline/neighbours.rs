@@ -2,7 +2,8 @@
 //! Out: sums in their columns, or an energy. Never: a search for neighbours, or a body.
 
 use super::bind::PairPass;
-use super::run::{Context, in_parts};
+use super::run::Context;
+use super::threads::in_parts;
 use crate::backend::{ListReach, Lists, PairCall, Unfit, box_slot, distance_slot};
 use crate::column::Aligned;
 use crate::law::{Place, Signature};

@@ -2,8 +2,9 @@
 //! their columns, or energies. Never: an order of passes.
 
 use super::bind::{BoundPass, ColumnPass, LinkPass, Located, Pass};
-use super::run::{Context, in_parts};
+use super::run::Context;
 use super::switches::Phase;
+use super::threads::in_parts;
 use crate::backend::{Kernel, LinkCall, Links, Strided};
 use crate::law::{ColumnAccess, PortView};
 use crate::real::Scalar;

@@ -11,19 +11,28 @@ use super::{PairCall, Pairs};
 use crate::backend::pointers::{Rows, RowsMut, SUMS, Slots, Splat, StoreAll, StoreFirst, Sums};
 use crate::law::{PairFamily, Sink};
 use crate::real::{Lanes, Scalar, WithLanes};
+use core::marker::PhantomData;
 use core::ops::Range;
 
-/// Rows that meet at a time.
-pub(crate) const BLOCK: usize = 512;
 /// Rows of a strip within a block: those of one are each given what the others do, twice for every pair.
 const STRIP: usize = 64;
 /// Rows from which on looking at each pair once is faster.
-pub(crate) const PAYS: usize = BLOCK;
+pub(crate) const PAYS: usize = 512;
+/// Rows of the blocks that meet: of more, those of a meeting would not stay in the first cache.
+const LARGEST: usize = 512;
+/// The fewest: of fewer, most of a meeting would be its beginning and its end.
+const SMALLEST: usize = 128;
+/// Blocks that there should be, so that threads can share a round.
+const ENOUGH: usize = 8;
+
+/// Rows of the blocks that meet, where there are so many: these alone decide, so that the bits do not depend on the threads.
+pub(crate) fn meeting_block(rows: usize) -> usize {
+    (rows / ENOUGH).next_multiple_of(STRIP).clamp(SMALLEST, LARGEST)
+}
 
 /// Who meets whom, round by round: in each round every block at most once, so that threads can share a round. The first one
 /// is of every block with itself; then a round-robin tournament by the circle method (Kirkman 1847).
-pub(crate) fn rounds(rows: usize) -> impl Iterator<Item = Vec<[usize; 2]>> {
-    let blocks = rows.div_ceil(BLOCK);
+pub(crate) fn rounds(blocks: usize) -> impl Iterator<Item = Vec<[usize; 2]>> {
     // An odd number gets one more, whose opponent rests.
     let players = blocks.next_multiple_of(2);
     let alone = (0..blocks).map(|block| [block, block]).collect();
@@ -37,15 +46,68 @@ pub(crate) fn rounds(rows: usize) -> impl Iterator<Item = Vec<[usize; 2]>> {
     }))
 }
 
-/// The rows of a block.
-fn rows_of(block: usize, rows: usize) -> Range<usize> {
-    block * BLOCK..((block + 1) * BLOCK).min(rows)
+/// Sums of all rows, of the blocks that have met.
+pub(crate) struct Tally<P> {
+    /// Rows of a block; the last one may have fewer.
+    pub(crate) block: usize,
+    /// By number that the law adds to: sums, and what rounding left of them, of all rows each, with room behind them.
+    pub(crate) numbers: Vec<[*mut P; 2]>,
 }
 
-/// Sums of all rows: of the blocks that have met, what rounding left of them, and of the two that meet.
-pub(crate) struct Tally<P> {
-    /// By number that the law adds to: sums, rests, and sums of the meeting, of all rows each, with room behind them.
-    pub(crate) numbers: Vec<[*mut P; 3]>,
+impl<P> Tally<P> {
+    /// The rows of a block, where the last row that meets is before `end`.
+    pub(crate) fn rows_of(&self, block: usize, end: usize) -> Range<usize> {
+        block * self.block..((block + 1) * self.block).min(end)
+    }
+}
+
+/// The sums of a block in one meeting, by number that the law adds to: where that of row 0 would be. They are the thread's own, so
+/// that they stay in its first cache.
+struct Sheet<P, F, const N: usize> {
+    numbers: [*mut P; N],
+    law: PhantomData<F>,
+}
+
+impl<P: Scalar, F: PairFamily, const N: usize> Sheet<P, F, N> {
+    /// Takes the places from `scratch` on for rows from `first` on.
+    fn new(scratch: &[*mut P], from: usize, first: usize) -> Self {
+        let mut numbers = [core::ptr::null_mut(); N];
+        for (to, numbers) in numbers[..Pairs::<P, F>::ADDED].iter_mut().zip(scratch) {
+            *to = numbers.wrapping_add(from).wrapping_sub(first);
+        }
+        Sheet { numbers, law: PhantomData }
+    }
+
+    /// The sums of `R::WIDTH` rows.
+    ///
+    /// # Safety
+    /// They are rows of the block; the same for all of these.
+    #[inline(always)]
+    unsafe fn sums<R: Lanes<P>>(&self, row: usize) -> Sums<R, N> {
+        let mut sums = Sums::zero(Pairs::<P, F>::FIRST);
+        for (sum, numbers) in sums.values[..Pairs::<P, F>::ADDED].iter_mut().zip(&self.numbers) {
+            // SAFETY: passed on to the caller.
+            *sum = unsafe { R::load(numbers.wrapping_add(row)) };
+        }
+        sums
+    }
+
+    #[inline(always)]
+    unsafe fn keep<R: Lanes<P>>(&self, row: usize, sums: &Sums<R, N>) {
+        for (sum, numbers) in sums.values[..Pairs::<P, F>::ADDED].iter().zip(&self.numbers) {
+            // SAFETY: as above.
+            unsafe { sum.store(numbers.wrapping_add(row)) };
+        }
+    }
+
+    /// One row gets the sums of all lanes.
+    #[inline(always)]
+    unsafe fn add<R: Lanes<P>>(&self, row: usize, sums: &Sums<R, N>) {
+        for (sum, numbers) in sums.values[..Pairs::<P, F>::ADDED].iter().zip(&self.numbers) {
+            // SAFETY: as above.
+            unsafe { *numbers.wrapping_add(row) += sum.sum() };
+        }
+    }
 }
 
 /// Two blocks that meet, or one alone.
@@ -53,63 +115,55 @@ pub(super) struct Meet<'a, P, F, const N: usize> {
     law: &'a F,
     call: &'a PairCall<'a, P>,
     tally: &'a Tally<P>,
-    /// The sums of the meeting, by number that the law adds to: copied, so that no store can be thought to change them.
-    meeting: [*mut P; N],
     blocks: [Range<usize>; 2],
+    sheets: [Sheet<P, F, N>; 2],
 }
 
 impl<'a, P: Scalar, F: PairFamily, const N: usize> Meet<'a, P, F, N> {
     /// # Safety
     /// As for [`super::PairKernel::meet`], as long as it lives. Rows that its functions are given are rows of the blocks.
-    pub(super) unsafe fn new(law: &'a F, call: &'a PairCall<'a, P>, tally: &'a Tally<P>, blocks: [usize; 2]) -> Self {
-        let mut meeting = [core::ptr::null_mut(); N];
-        for (to, numbers) in meeting[..Pairs::<P, F>::ADDED].iter_mut().zip(&tally.numbers) {
-            *to = numbers[2];
-        }
-        Meet { law, call, tally, meeting, blocks: blocks.map(|block| rows_of(block, call.rows.end)) }
+    pub(super) unsafe fn new(
+        law: &'a F,
+        call: &'a PairCall<'a, P>,
+        (tally, scratch): (&'a Tally<P>, &[*mut P]),
+        blocks: [usize; 2],
+    ) -> Self {
+        let blocks = blocks.map(|block| tally.rows_of(block, call.rows.end));
+        let sheets = [(0, &blocks[0]), (tally.block, &blocks[1])];
+        let sheets = sheets.map(|(from, block)| Sheet::new(scratch, from, block.start));
+        Meet { law, call, tally, blocks, sheets }
     }
 
-    /// The sums of the meeting of `R::WIDTH` rows.
-    #[inline(always)]
-    fn sums<R: Lanes<P>>(&self, row: usize) -> Sums<R, N> {
-        let mut sums = Sums::zero(Pairs::<P, F>::FIRST);
-        for (sum, meeting) in sums.values[..Pairs::<P, F>::ADDED].iter_mut().zip(&self.meeting) {
-            // SAFETY: `new` was promised the rows; the same for all blocks here.
-            *sum = unsafe { R::load(meeting.add(row)) };
-        }
-        sums
-    }
-
-    #[inline(always)]
-    fn keep<R: Lanes<P>>(&self, row: usize, sums: &Sums<R, N>) {
-        for (sum, meeting) in sums.values[..Pairs::<P, F>::ADDED].iter().zip(&self.meeting) {
-            // SAFETY: see above.
-            unsafe { sum.store(meeting.add(row)) };
-        }
-    }
-
-    /// Each row of a strip gets what the others of it do.
+    /// Each row of a strip of the first block gets what the others of it do.
     #[inline(always)]
     fn within<R: Lanes<P>>(&self, law: &F::Kernel<R>, slots: &Slots<P>, strip: Range<usize>) {
         for j in strip.clone().step_by(R::WIDTH) {
-            // SAFETY: see above.
+            // SAFETY: `new` was promised the rows; the same for all blocks here.
             let row_j = load::<F, R>(unsafe { Rows::<P>::new(slots, j) });
-            let mut sums = self.sums::<R>(j);
+            // SAFETY: see above.
+            let mut sums = unsafe { self.sheets[0].sums::<R>(j) };
             for i in strip.clone() {
                 let itself = R::from_lanes(|lane| P::from_f64(lane as f64)).equal(R::lit(i as f64 - j as f64));
                 // SAFETY: see above.
                 let row_i = load::<F, R>(unsafe { Splat::<P>::new(slots, i) });
                 sums.lose_but(itself, &share::<F, R, N>(law, row_i, row_j), Pairs::<P, F>::ADDED);
             }
-            self.keep(j, &sums);
+            // SAFETY: see above.
+            unsafe { self.sheets[0].keep(j, &sums) };
         }
     }
 
-    /// Rows i and rows j, which are others, meet.
+    /// Rows i of the first block and rows j, which are others, of that of `sheet`, meet.
     ///
     /// The two rows i are written out: the compiler does not unroll a loop over them, and would keep them in memory.
     #[inline(always)]
-    fn between<R: Lanes<P>>(&self, law: &F::Kernel<R>, slots: &Slots<P>, is: Range<usize>, js: Range<usize>) {
+    fn between<R: Lanes<P>>(
+        &self,
+        law: &F::Kernel<R>,
+        slots: &Slots<P>,
+        is: Range<usize>,
+        (js, sheet): (Range<usize>, &Sheet<P, F, N>),
+    ) {
         // SAFETY: see above.
         let row_i = |i| load::<F, R>(unsafe { Splat::<P>::new(slots, i) });
         for i in is.step_by(2) {
@@ -120,14 +174,19 @@ impl<'a, P: Scalar, F: PairFamily, const N: usize> Meet<'a, P, F, N> {
             while j < js.end {
                 // SAFETY: see above.
                 let row_j = load::<F, R>(unsafe { Rows::<P>::new(slots, j) });
-                let mut sums = self.sums::<R>(j);
+                // SAFETY: see above.
+                let mut sums = unsafe { sheet.sums::<R>(j) };
                 Self::meet(law, a, row_j, &mut of_a, &mut sums);
                 Self::meet(law, b, row_j, &mut of_b, &mut sums);
-                self.keep(j, &sums);
+                // SAFETY: see above.
+                unsafe { sheet.keep(j, &sums) };
                 j += R::WIDTH;
             }
-            self.end_of_row(i, &of_a);
-            self.end_of_row(i + 1, &of_b);
+            // SAFETY: see above.
+            unsafe {
+                self.sheets[0].add(i, &of_a);
+                self.sheets[0].add(i + 1, &of_b);
+            }
         }
     }
 
@@ -144,50 +203,49 @@ impl<'a, P: Scalar, F: PairFamily, const N: usize> Meet<'a, P, F, N> {
         of_j.lose(&share, Pairs::<P, F>::ADDED);
     }
 
+    /// The blocks that are there, with their sheets: one, or two.
     #[inline(always)]
-    fn end_of_row<R: Lanes<P>>(&self, i: usize, sums: &Sums<R, N>) {
-        for (sum, meeting) in sums.values[..Pairs::<P, F>::ADDED].iter().zip(&self.meeting) {
-            // SAFETY: see above.
-            unsafe { *meeting.add(i) += sum.sum() };
-        }
+    fn there(&self) -> impl Iterator<Item = (Range<usize>, &Sheet<P, F, N>)> {
+        let count = if self.blocks[0] == self.blocks[1] { 1 } else { 2 };
+        self.blocks.iter().cloned().zip(&self.sheets).take(count)
     }
 
-    /// Whether the sums of the meeting of a block are numbers.
+    /// All sums of the meeting are zero.
     #[inline(always)]
-    fn are_finite<R: Lanes<P>>(&self, block: &Range<usize>) -> bool {
-        let mut row = block.start;
-        while row < block.end {
-            if !self.sums::<R>(row).are_finite::<P>(Pairs::<P, F>::ADDED, R::WIDTH) {
-                return false;
-            }
-            row += R::WIDTH;
-        }
-        true
-    }
-
-    /// The sums of the meeting of a block are zero.
-    #[inline(always)]
-    fn begin<R: Lanes<P>>(&self, block: &Range<usize>) {
-        let mut row = block.start;
-        while row < block.end {
-            self.keep(row, &Sums::<R, N>::zero(Pairs::<P, F>::FIRST));
-            row += R::WIDTH;
-        }
-    }
-
-    /// The sums of the meeting of a block are added to those of the meetings before.
-    #[inline(always)]
-    fn end<R: Lanes<P>>(&self, block: &Range<usize>) {
-        for [sums, rests, meeting] in &self.tally.numbers[..Pairs::<P, F>::ADDED] {
-            let mut row = block.start;
-            while row < block.end {
+    fn begin<R: Lanes<P>>(&self) {
+        for (block, sheet) in self.there() {
+            for row in block.step_by(R::WIDTH) {
                 // SAFETY: see above.
-                unsafe {
-                    let (sum, rest) = super::two_sum(R::load(sums.add(row)), R::load(meeting.add(row)));
-                    sum.store(sums.add(row));
-                    (R::load(rests.add(row)) + rest).store(rests.add(row));
+                unsafe { sheet.keep(row, &Sums::<R, N>::zero(Pairs::<P, F>::FIRST)) };
+            }
+        }
+    }
+
+    /// Whether all sums of the meeting are numbers.
+    #[inline(always)]
+    fn are_finite<R: Lanes<P>>(&self) -> bool {
+        self.there().all(|(block, sheet)| {
+            block.step_by(R::WIDTH).all(|row| {
+                // SAFETY: see above.
+                let sums = unsafe { sheet.sums::<R>(row) };
+                sums.are_finite::<P>(Pairs::<P, F>::ADDED, R::WIDTH)
+            })
+        })
+    }
+
+    /// The sums of the meeting are added to those of the meetings before.
+    #[inline(always)]
+    fn end<R: Lanes<P>>(&self) {
+        for (block, sheet) in self.there() {
+            for ([sums, rests], meeting) in self.tally.numbers[..Pairs::<P, F>::ADDED].iter().zip(&sheet.numbers) {
+                for row in block.clone().step_by(R::WIDTH) {
+                    // SAFETY: see above.
+                    unsafe {
+                        let (sum, rest) = super::two_sum(R::load(sums.add(row)), R::load(meeting.wrapping_add(row)));
+                        sum.store(sums.add(row));
+                        (R::load(rests.add(row)) + rest).store(rests.add(row));
+                    }
                 }
-                row += R::WIDTH;
             }
         }
     }
@@ -202,24 +260,20 @@ impl<P: Scalar, F: PairFamily, const N: usize> WithLanes<P> for Meet<'_, P, F, N
         let slots = unsafe { Pairs::<P, F>::slots(self.call.slots) };
         let law = self.law.kernel::<R>();
         let [a, b] = self.blocks.clone();
-        self.begin::<R>(&a);
+        self.begin::<R>();
         if a == b {
             for start in a.clone().step_by(STRIP) {
                 let strip = start..start + STRIP;
                 self.within::<R>(&law, &slots, strip.clone());
-                self.between::<R>(&law, &slots, strip.clone(), strip.end..a.end);
+                self.between::<R>(&law, &slots, strip.clone(), (strip.end..a.end, &self.sheets[0]));
             }
         } else {
-            self.begin::<R>(&b);
-            self.between::<R>(&law, &slots, a.clone(), b.clone());
+            self.between::<R>(&law, &slots, a, (b, &self.sheets[1]));
         }
-        if R::ESTIMATES && !(self.are_finite::<R>(&a) && self.are_finite::<R>(&b)) {
+        if R::ESTIMATES && !self.are_finite::<R>() {
             return false;
         }
-        self.end::<R>(&a);
-        if a != b {
-            self.end::<R>(&b);
-        }
+        self.end::<R>();
         true
     }
 }
@@ -228,7 +282,7 @@ impl<P: Scalar, F: PairFamily, const N: usize> WithLanes<P> for Meet<'_, P, F, N
 pub(super) struct Give<'a, P, F> {
     pub(super) call: &'a PairCall<'a, P>,
     pub(super) tally: &'a Tally<P>,
-    pub(super) law: core::marker::PhantomData<F>,
+    pub(super) law: PhantomData<F>,
 }
 
 impl<P: Scalar, F: PairFamily> WithLanes<P> for Give<'_, P, F> {
@@ -238,7 +292,7 @@ impl<P: Scalar, F: PairFamily> WithLanes<P> for Give<'_, P, F> {
         // SAFETY: the caller of `PairKernel::give` promises the slots, and the rows of the call.
         let slots = unsafe { Pairs::<P, F>::slots(self.call.slots) };
         for row in self.call.rows.clone().step_by(R::WIDTH) {
-            for (k, [sums, rests, _]) in self.tally.numbers[..Pairs::<P, F>::ADDED].iter().enumerate() {
+            for (k, [sums, rests]) in self.tally.numbers[..Pairs::<P, F>::ADDED].iter().enumerate() {
                 // SAFETY: as above.
                 unsafe {
                     let (sum, rest) = (R::load(sums.add(row)), R::load(rests.add(row)));
@@ -286,10 +340,9 @@ mod tests {
 
     #[test]
     fn every_two_blocks_meet_once_and_in_one_round_none_meets_two() {
-        for rows in (0..40 * BLOCK).step_by(STRIP) {
-            let blocks = rows.div_ceil(BLOCK);
+        for blocks in 0..40 {
             let mut met = vec![0; blocks * blocks];
-            for round in rounds(rows) {
+            for round in rounds(blocks) {
                 let mut busy = vec![false; blocks];
                 for [a, b] in round {
                     met[a * blocks + b] += 1;
@@ -298,7 +351,15 @@ mod tests {
                 }
             }
             let once = |at: usize| usize::from(at / blocks <= at % blocks);
-            assert!(met.iter().enumerate().all(|(at, times)| *times == once(at)), "{rows} rows");
+            assert!(met.iter().enumerate().all(|(at, times)| *times == once(at)), "{blocks} blocks");
+        }
+    }
+
+    #[test]
+    fn blocks_are_of_whole_strips() {
+        for rows in (0..40_000).step_by(STRIP) {
+            let block = meeting_block(rows);
+            assert!(block.is_multiple_of(STRIP) && (SMALLEST..=LARGEST).contains(&block), "{rows} rows");
         }
     }
 }

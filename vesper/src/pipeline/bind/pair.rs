@@ -127,7 +127,7 @@ impl<P: Scalar> Binder<'_, P> {
             && pass.far.is_none()
             && rows >= PAYS
             && !energy;
-        pass.once = once.then(|| Once::new(rows, pass.kernel.added()));
+        pass.once = once.then(|| Once::new(rows, pass.kernel.added(), pass.threads));
         let plain =
             pass.once.is_none() && pass.near.is_none() && pass.far.is_none() && pass.transfers.is_empty() && !energy;
         pass.is_one_call = plain && (pass.threads == 1 || rows <= PAIR_GRAIN);
