@@ -1,7 +1,9 @@
 //! What is left after very many steps: where rounding and drift decide, and not the order of a method.
 //!
-//! In: problems with known answers. Out: `benches/results/endurance/README.md`. Takes some ten minutes; `-- --test` runs a
+//! In: problems with known answers. Out: `benches/results/endurance/README.md`. Takes some half an hour; `-- --test` runs a
 //! thousandth of each.
+
+mod many_rows;
 
 use std::fmt::Write;
 use std::path::Path;
@@ -29,11 +31,12 @@ impl Page {
 type Part = (&'static str, fn(&mut Page, f64));
 
 /// The parts of the page.
-const PARTS: [Part; 4] = [
+const PARTS: [Part; 5] = [
     ("endurance/gyrations", gyrations),
     ("endurance/oscillations", oscillations),
     ("endurance/outer_planets", outer_planets),
     ("endurance/brouwer", brouwer),
+    ("endurance/many_rows", many_rows::many_rows),
 ];
 
 fn main() {

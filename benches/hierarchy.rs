@@ -112,9 +112,9 @@ fn main() -> std::io::Result<()> {
         let race = if n > 10_000 { Race { rounds: 3, ..Race::default() } } else { Race::default() };
         let times = race.run(run, n as f64, &mut contenders);
         let [spheres, all_spheres, pairs] = times[..] else { continue };
-        let case = |name| Case { name, n, threads: 1, precision: "f64", unit: "ns/row" };
-        summary.add(case("spheres of influence"), spheres, &[(pairs, Some(error))]);
-        summary.add(case("spheres of particles too"), all_spheres, &[(pairs, Some(every))]);
+        let case = |name, error| Case { name, n, threads: 1, precision: "f64", unit: "ns/row", error: Some(error) };
+        summary.add(case("spheres of influence", error), spheres, &[(pairs, Some(peer))]);
+        summary.add(case("spheres of particles too", every), all_spheres, &[(pairs, Some(peer))]);
     }
     if run == Run::Measure && run.wants(&format!("hierarchy/f64/{MOST}")) {
         let bodies = Bodies::new(MOST);

@@ -51,7 +51,7 @@ fn add_weight(mut bodies: Query<(&mut Sum, &Weight)>) {
 fn systems(systems: usize, rows: usize) -> (World, Schedule) {
     let mut world = World::new();
     world.spawn_batch((0..rows).map(|_| (Sum(0.0), Weight(1e-9))));
-    let mut schedule = peers::schedule();
+    let mut schedule = peers::bevy::schedule();
     for _ in 0..systems {
         schedule.add_systems(add_weight);
     }
@@ -109,7 +109,7 @@ fn laws(rows: usize, run: Run, summary: &mut Summary, lines: &mut criterion::Cri
     if run.wants(&name) {
         let times = Race::default().run(run, FRAMES, &mut contenders);
         let [no_law, laws, no_system, systems, no_closure, closures, no_hand, hand] = times[..] else { return };
-        let case = |name| Case { name, n: rows, threads: 1, precision: "f64", unit: "ns" };
+        let case = |name| Case { name, n: rows, threads: 1, precision: "f64", unit: "ns", error: None };
         let named = |name, time| Time { name, ..time };
         let first = if rows == 0 { "advance of an empty engine" } else { "advance of motion alone" };
         let empty = [
@@ -177,7 +177,8 @@ fn small_scene(run: Run, summary: &mut Summary, lines: &mut criterion::Criterion
     if run.wants(name) {
         let times = Race::default().run(run, 1.0, &mut contenders);
         let [ours, hand] = times[..] else { return };
-        let case = Case { name: "tetrahedron of six springs", n: 7, threads: 1, precision: "f64", unit: "ns" };
+        let case =
+            Case { name: "tetrahedron of six springs", n: 7, threads: 1, precision: "f64", unit: "ns", error: None };
         summary.add(case, ours, &[(hand, Some(error))]);
     }
     Race::lines(lines, name, 1.0, &mut contenders);

@@ -3,7 +3,10 @@
 //!
 //! A Plummer sphere of equal masses, softened. Errors are root mean squares of |a - a_ref| / |a_ref| over a sample of the
 //! bodies, whose accelerations are summed in f64 from the same places. Rates count every ordered pair, however often a loop
-//! looks at it.
+//! looks at it. Two threads stand beside two engines on a thread each, which is what the machine has for two.
+//!
+//! `RUSTFLAGS="-C target-cpu=native" cargo bench --bench pairs` builds `particular` for this very processor; it is the study
+//! `pairs_native` of the summary. The law's loops are chosen at run time, so that they are the same in both.
 
 use foreign_gravity::Gravity as ForeignGravity;
 use particular::ComputeMethod;
@@ -12,7 +15,7 @@ use particular::storage::{ParticleSystem, PointMass};
 use vesper::prelude::*;
 use vesper::real::Isa;
 use vesper_benches::hand::direct::{Attracting, Loop, f32_loops, f64_loops};
-use vesper_benches::scenes::{Plummer, STEP};
+use vesper_benches::scenes::{Cloud, STEP};
 use vesper_benches::{Case, Contender, Race, Run, Summary, Time, criterion};
 use vesper_laws::{Gravity, Motion};
 
@@ -24,7 +27,7 @@ const SOFTENING: f64 = 1.0 / 128.0;
 const STAYS: &str = "the bodies stay finite";
 
 /// The stock law, or that of another crate, moves the bodies.
-fn engine<P: Precision>(bodies: &Plummer, foreign: bool, threads: usize, isa: Isa) -> Engine<P> {
+fn engine<P: Precision>(bodies: &Cloud, foreign: bool, threads: usize, isa: Isa) -> Engine<P> {
     let builder = Engine::builder().domain(bodies.domain()).law(Motion);
     let builder = if foreign {
         builder.law(ForeignGravity { g: 1.0, softening: SOFTENING })
@@ -36,7 +39,7 @@ fn engine<P: Precision>(bodies: &Plummer, foreign: bool, threads: usize, isa: Is
 }
 
 /// One step from rest: velocities are accelerations then.
-fn error_of<P: Precision>(bodies: &Plummer, engine: &mut Engine<P>) -> f64 {
+fn error_of<P: Precision>(bodies: &Cloud, engine: &mut Engine<P>) -> f64 {
     engine.steps_of(1, STEP).expect(STAYS);
     let velocities = engine.state().numbers("bodies", Velocity).expect("the engine has velocities");
     bodies.error(SOFTENING, |row| [0, 1, 2].map(|axis| velocities[3 * row + axis] / STEP))
@@ -47,7 +50,7 @@ fn step<'a, P: Precision>(name: &'static str, mut engine: Engine<P>) -> Contende
 }
 
 /// Loops by hand, each with its error.
-fn by_hand<'a, P: Precision>(bodies: &Plummer, loops: Vec<Loop<P>>) -> Vec<(Contender<'a>, f64)> {
+fn by_hand<'a, P: Precision>(bodies: &Cloud, loops: Vec<Loop<P>>) -> Vec<(Contender<'a>, f64)> {
     let softening_squared = P::from_f64(SOFTENING * SOFTENING);
     let contender = |(name, run): Loop<P>| {
         let mut columns = Attracting::<P>::new(&bodies.position, bodies.mass());
@@ -84,7 +87,7 @@ macro_rules! particular {
 
 fn study<'a, P: Precision>(
     (run, n): (Run, usize),
-    bodies: &Plummer,
+    bodies: &Cloud,
     summary: &mut Summary,
     peers: Vec<(Contender<'a>, f64)>,
 ) {
@@ -94,22 +97,32 @@ fn study<'a, P: Precision>(
     let narrow = Isa::available().into_iter().rev().nth(1).unwrap_or(widest);
     let (mut contenders, errors): (Vec<_>, Vec<_>) = peers.into_iter().unzip();
     let peers = contenders.len();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
+    let mut both = [(); 2].map(|()| engine::<P>(bodies, false, 1, widest));
     contenders.push(step("stock law", engine::<P>(bodies, false, 1, widest)));
     contenders.push(step("foreign law", engine::<P>(bodies, true, 1, widest)));
     contenders.push(step("stock law on 2 threads", engine::<P>(bodies, false, 2, widest)));
     contenders.push(step("stock law in narrower lanes", engine::<P>(bodies, false, 1, narrow)));
+    contenders.push(Contender::new("two engines at once", move || {
+        let [a, b] = &mut both;
+        pool.join(|| a.steps_of(1, STEP).expect(STAYS), || b.steps_of(1, STEP).expect(STAYS));
+    }));
     let pairs = (n * (n - 1)) as f64;
     let times = Race::default().run(run, pairs, &mut contenders);
     let (peer_times, ours) = times.split_at(peers);
-    let [stock, foreign, two, narrower] = ours[..] else { return };
-    let beside: Vec<(Time, Option<f64>)> = peer_times.iter().map(|time| (*time, Some(error))).collect();
-    let case = |name, threads| Case { name, n, threads, precision: P::NAME, unit: "ns/pair" };
+    let [stock, foreign, two, narrower, at_once] = ours[..] else { return };
+    let beside: Vec<(Time, Option<f64>)> = peer_times.iter().copied().zip(errors.iter().copied().map(Some)).collect();
+    let case = |name, threads| Case { name, n, threads, precision: P::NAME, unit: "ns/pair", error: Some(error) };
     summary.add(case("gravity of all pairs", 1), stock, &beside);
-    summary.add(case("foreign law beside stock", 1), foreign, &[(stock, Some(error))]);
-    summary.add(case("gravity of all pairs", 2), two, &[(stock, Some(error))]);
-    summary.add(case("gravity of all pairs in narrower lanes", 1), narrower, &beside);
+    summary.add(case("foreign law", 1), foreign, &[(stock, Some(error))]);
+    // What two threads could do at best: each has an engine of its own, so that one piece of work is two.
+    let half = |time: f64| time / 2.0;
+    let Time { name, median, low, high } = at_once;
+    let limit = Time { name, median: half(median), low: half(low), high: half(high) };
+    summary.add(case("gravity of all pairs", 2), two, &[(stock, Some(error)), (limit, Some(error))]);
+    summary.add(case("gravity in narrower lanes", 1), narrower, &beside);
     if run == Run::Measure {
-        for (time, error) in peer_times.iter().zip(&errors).chain([(&stock, &error)]) {
+        for (time, error) in peer_times.iter().zip(&errors).chain([(&stock, &error), (&two, &error)]) {
             println!("    {:<26} {:.2e} ordered pairs per second, rms error {error:.1e}", time.name, 1e9 / time.median);
         }
     }
@@ -117,10 +130,13 @@ fn study<'a, P: Precision>(
 
 fn main() -> std::io::Result<()> {
     let run = Run::from_arguments();
-    let (mut summary, mut lines) = (Summary::new("pairs", run), criterion());
+    // A build for this very processor is another study: the peer is chosen when it is compiled.
+    let name = if cfg!(target_feature = "avx2") { "pairs_native" } else { "pairs" };
+    let (mut summary, mut lines) = (Summary::new(name, run), criterion());
     for n in if run == Run::Test { &SIZES[..1] } else { &SIZES } {
-        let bodies = Plummer::new(*n, 0.0);
-        let far = error_of(&Plummer::new(*n, FAR), &mut engine::<f32>(&Plummer::new(*n, FAR), false, 1, Isa::detect()));
+        let bodies = Cloud::plummer(*n, 0.0);
+        let far =
+            error_of(&Cloud::plummer(*n, FAR), &mut engine::<f32>(&Cloud::plummer(*n, FAR), false, 1, Isa::detect()));
         println!("pairs     {n} bodies, {FAR} scale lengths off, in f32: rms error {far:.1e}");
         assert!(far < 3e-7, "the error is that of places in f32, wherever they are");
         if run.wants(&format!("pairs/f32/{n}")) {
@@ -134,7 +150,7 @@ fn main() -> std::io::Result<()> {
             study::<f64>((run, *n), &bodies, &mut summary, peers);
         }
     }
-    let bodies = Plummer::new(SIZES[0], 0.0);
+    let bodies = Cloud::plummer(SIZES[0], 0.0);
     let mut line = [step("stock law", engine::<f32>(&bodies, false, 1, Isa::detect()))];
     Race::lines(&mut lines, "pairs/f32/1536", (SIZES[0] * (SIZES[0] - 1)) as f64, &mut line);
     lines.final_summary();

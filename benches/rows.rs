@@ -1,6 +1,7 @@
 //! Merged row laws: five laws and a step of semi-implicit Euler over many bodies, one thread.
 //!
-//! Composed at run time, composed at compile time, written by hand as one loop, and as five systems of bevy_ecs.
+//! Composed at run time, composed at compile time, written by hand as one loop, as five systems of bevy_ecs, and as five queries of
+//! hecs.
 
 use vesper::prelude::*;
 use vesper_benches::hand::{Charged, Step, difference};
@@ -33,7 +34,8 @@ where
     let mut composed = engine::<P>(&bodies, false).expect(expect);
     let mut chained = engine::<P>(&bodies, true).expect(expect);
     let (mut hand, mut wide) = (Charged::<P>::new(&bodies), Charged::<P>::new(&bodies));
-    let (mut world, mut schedule) = peers::charged::<P>(&bodies);
+    let (mut world, mut schedule) = peers::bevy::charged::<P>(&bodies);
+    let mut hecs = peers::hecs::charged::<P>(&bodies);
 
     // The same results first, the times then.
     let check = if run == Run::Measure { 64 } else { 4 };
@@ -44,13 +46,16 @@ where
         hand.step();
         wide.step_wide();
         schedule.run(&mut world);
+        peers::hecs::step::<P>(&mut hecs);
     }
     assert_eq!(composed.state().hash(), chained.state().hash(), "{name}: both ways give the same bits");
     let expect = "the engine has places";
     let by_hand = difference(&composed, Position, &hand.position).expect(expect);
     let by_hand_wide = difference(&chained, Position, &wide.position).expect(expect);
-    let by_bevy = peers::difference(&composed, &mut world).expect(expect);
-    assert!(by_hand < 1e-6 && by_hand_wide < 1e-6 && by_bevy < 1e-6, "{name}: the same motion");
+    let by_bevy = peers::bevy::difference(&composed, &mut world).expect(expect);
+    let by_hecs = peers::hecs::difference(&composed, &mut hecs).expect(expect);
+    let differences = [by_hand, by_hand_wide, by_bevy, by_hecs];
+    assert!(differences.iter().all(|off| *off < 1e-6), "{name}: the same motion");
 
     // Frames of many steps: the check for numbers that are none comes once a frame, the hand loops have none.
     let steps = if run == Run::Measure { (100_000 / rows as u64).clamp(20, 100) } else { 1 };
@@ -61,13 +66,19 @@ where
         Contender::new("hand loop avx2", || (0..steps).for_each(|_| wide.step_wide())),
         Contender::new("hand loop", || (0..steps).for_each(|_| hand.step())),
         Contender::new("bevy_ecs", || (0..steps).for_each(|_| schedule.run(&mut world))),
+        Contender::new("hecs", || (0..steps).for_each(|_| peers::hecs::step::<P>(&mut hecs))),
     ];
     if run.wants(&name) {
         let times = Race::default().run(run, units, &mut contenders);
-        let [composed, chained, wide, hand, bevy] = times[..] else { return };
-        let peers = [(wide, Some(by_hand_wide)), (hand, Some(by_hand)), (bevy, Some(by_bevy))];
+        let [composed, chained, wide, hand, bevy, hecs] = times[..] else { return };
+        let peers = [(wide, by_hand_wide), (hand, by_hand), (bevy, by_bevy), (hecs, by_hecs)];
+        let peers = peers.map(|(time, off)| (time, Some(off)));
         for (name, ours) in [("five laws at run time", composed), ("five laws in pipeline!", chained)] {
-            summary.add(Case { name, n: rows, threads: 1, precision: P::NAME, unit: "ns/row" }, ours, &peers);
+            summary.add(
+                Case { name, n: rows, threads: 1, precision: P::NAME, unit: "ns/row", error: None },
+                ours,
+                &peers,
+            );
         }
     }
     Race::lines(lines, &name, units, &mut contenders);

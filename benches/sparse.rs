@@ -62,7 +62,7 @@ fn study<P: Precision>(motion: bool, run: Run, summary: &mut Summary, lines: &mu
     if run.wants(&name) {
         let times = Race::default().run(run, 1.0, &mut contenders);
         let [among, alone] = times[..] else { return };
-        let case = Case { name: case, n: CHARGES, threads: 1, precision: P::NAME, unit: "ns/step" };
+        let case = Case { name: case, n: CHARGES, threads: 1, precision: P::NAME, unit: "ns/step", error: None };
         summary.add(case, among, &[(alone, Some(0.0))]);
     }
     Race::lines(lines, &name, 1.0, &mut contenders);

@@ -70,7 +70,7 @@ fn study<P: Precision>(
     ];
     let times = Race::default().run(run, springs as f64, &mut contenders);
     let [ours, hand, coloured] = times[..] else { return };
-    let case = Case { name: "springs", n: springs, threads, precision: P::NAME, unit: "ns/spring" };
+    let case = Case { name: "springs", n: springs, threads, precision: P::NAME, unit: "ns/spring", error: None };
     summary.add(case, ours, &[(hand, Some(errors[0])), (coloured, Some(errors[1]))]);
     Race::lines(lines, &name, springs as f64, &mut contenders);
 }

@@ -29,4 +29,15 @@ impl Random {
     pub fn vector(&mut self, low: f64, high: f64) -> [f64; 3] {
         [self.between(low, high), self.between(low, high), self.between(low, high)]
     }
+
+    /// The next vector of length 1, in any direction alike.
+    pub fn direction(&mut self) -> [f64; 3] {
+        loop {
+            let towards = self.vector(-1.0, 1.0);
+            let length = towards.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if (0.1..1.0).contains(&length) {
+                return towards.map(|x| x / length);
+            }
+        }
+    }
 }

@@ -63,28 +63,89 @@ impl Bodies {
     }
 }
 
-/// A Plummer sphere with G = M = a = 1, cut off at 10 a, of equal masses at rest.
+/// How bodies are distributed in space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// A Plummer sphere with G = M = a = 1, cut off at 10 a.
+    Plummer,
+    /// A galaxy's disc: its density falls as exp(-R), cut off at 8, and as sech^2(z / 0.1).
+    Disc,
+    /// Everywhere in a cube of edge 2 alike.
+    Uniform,
+    /// Two Plummer spheres, 1000 a apart.
+    Clusters,
+    /// On a straight line of length 2, which lies across all axes.
+    Line,
+    /// On a sphere of radius 1.
+    Shell,
+    /// All but one at the same point.
+    Point,
+}
+
+impl Shape {
+    /// All of them, each with a word for it.
+    pub const ALL: [(&'static str, Shape); 7] = [
+        ("Plummer sphere", Shape::Plummer),
+        ("galaxy disc", Shape::Disc),
+        ("uniform cube", Shape::Uniform),
+        ("two clusters", Shape::Clusters),
+        ("line", Shape::Line),
+        ("shell", Shape::Shell),
+        ("all but one at a point", Shape::Point),
+    ];
+
+    /// The place of the body of this number.
+    fn place(self, body: usize, random: &mut Random) -> [f64; 3] {
+        match self {
+            Shape::Plummer => loop {
+                // The share of the mass within r is (1 + 1 / r^2)^(-3/2).
+                let r = 1.0 / (random.between(1e-6, 1.0).powf(-2.0 / 3.0) - 1.0).sqrt();
+                if r < 10.0 {
+                    return random.direction().map(|x| x * r);
+                }
+            },
+            Shape::Disc => loop {
+                // The share of the mass within R is 1 - (1 + R) exp(-R): that of the sum of two deviates of exp(-R).
+                let radius = -(random.between(1e-6, 1.0) * random.between(1e-6, 1.0)).ln();
+                let height = 0.1 * random.between(-0.999, 0.999).atanh();
+                if radius < 8.0 {
+                    let angle = core::f64::consts::TAU * random.between(0.0, 1.0);
+                    return [radius * angle.cos(), radius * angle.sin(), height];
+                }
+            },
+            Shape::Uniform => random.vector(-1.0, 1.0),
+            Shape::Clusters => {
+                let [x, y, z] = Shape::Plummer.place(body, random);
+                [x + if body.is_multiple_of(2) { 500.0 } else { -500.0 }, y, z]
+            }
+            Shape::Line => {
+                let along = random.between(-1.0, 1.0);
+                [along, 0.5 * along, 0.25 * along]
+            }
+            Shape::Shell => random.direction(),
+            Shape::Point => [if body == 0 { 1.0 } else { 0.0 }, 0.0, 0.0],
+        }
+    }
+}
+
+/// Bodies of equal masses at rest, one unit of mass in all.
 #[derive(Clone, Debug)]
-pub struct Plummer {
+pub struct Cloud {
     /// Places, rounded to f32.
     pub position: Vec<[f64; 3]>,
 }
 
-impl Plummer {
+impl Cloud {
     /// So many bodies, around a point that is `offset` from the origin along each axis.
-    pub fn new(count: usize, offset: f64) -> Self {
+    pub fn new(shape: Shape, count: usize, offset: f64) -> Self {
         let mut random = Random::new(3);
-        let mut position = Vec::with_capacity(count);
-        while position.len() < count {
-            // The share of the mass within r is (1 + 1 / r^2)^(-3/2).
-            let r = 1.0 / (random.between(1e-6, 1.0).powf(-2.0 / 3.0) - 1.0).sqrt();
-            let towards = random.vector(-1.0, 1.0);
-            let length = towards.iter().map(|x| x * x).sum::<f64>().sqrt();
-            if r < 10.0 && (0.1..1.0).contains(&length) {
-                position.push(towards.map(|x| f64::from((x * r / length + offset) as f32)));
-            }
-        }
-        Plummer { position }
+        let place = |body| shape.place(body, &mut random).map(|x| f64::from((x + offset) as f32));
+        Cloud { position: (0..count).map(place).collect() }
+    }
+
+    /// A Plummer sphere.
+    pub fn plummer(count: usize, offset: f64) -> Self {
+        Cloud::new(Shape::Plummer, count, offset)
     }
 
     /// The mass of each body.

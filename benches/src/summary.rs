@@ -1,10 +1,10 @@
-//! The summary: one line for each pair of times, printed, and kept as `bench-summary.csv` in the target folder.
+//! The summary: one line for each pair of times, printed as a table, and kept as `benches/results/summary.csv`.
 
 use crate::{Run, Time};
 use std::fs;
 use std::path::PathBuf;
 
-const HEADER: &str = "study,case,n,threads,precision,backend,ours,peer,peers,ratio,error,unit";
+const HEADER: &str = "study,case,n,threads,precision,backend,ours,unit,error,peer,peers,ratio,peer_error";
 
 /// The lines of one study. Written when it ends; lines of other cases and peers stay.
 #[derive(Debug)]
@@ -27,40 +27,67 @@ pub struct Case<'a> {
     pub precision: &'a str,
     /// The unit of the times.
     pub unit: &'a str,
+    /// The error of our result by a reference, where the study has one; what it is, the study says.
+    pub error: Option<f64>,
 }
 
 impl Summary {
     /// A study that has no lines yet.
     pub fn new(study: &'static str, run: Run) -> Self {
+        if run == Run::Measure {
+            println!(
+                "{:<10} {:<38} {:>9} {:>7} {:<4} {:>25} {:>12} {:<8}  {:<26} {:>10} {:>6} {:<8}",
+                "study",
+                "case",
+                "n",
+                "threads",
+                "",
+                "ours: median (quartiles)",
+                "",
+                "error",
+                "peer",
+                "median",
+                "ratio",
+                "error"
+            );
+        }
         Summary { study, run, lines: Vec::new() }
     }
 
-    /// Notes our time beside those of the peers; an error is the largest difference from that peer's result, in parts
-    /// of it.
+    /// Notes our time beside those of the peers, each with the error of its result, by our reference where there is one, else the
+    /// largest difference from ours in parts of it.
     pub fn add(&mut self, case: Case<'_>, ours: Time, peers: &[(Time, Option<f64>)]) {
-        let Case { name, n, threads, precision, unit } = case;
+        let Case { name, n, threads, precision, unit, error } = case;
         assert!(!name.contains(','), "{name}: a comma would end the cell of the summary");
         let Time { median, low, high, .. } = ours;
+        let study = self.study;
         if self.run == Run::Test {
-            println!("{} {name} n={n} {precision}: runs", self.study);
-        } else {
-            let on = if threads == 1 { String::new() } else { format!(" on {threads} threads") };
-            println!("{:<9} {name:<28} n={n:<8} {precision}{on}", self.study);
-            println!("    {:<26} {median:>9.3} {unit}  ({low:.3} to {high:.3})", "ours");
+            println!("{study} {name} n={n} {precision} {threads}: runs");
         }
         let backend = if threads == 1 { "cpu" } else { "parallel" };
+        let number =
+            |error: Option<f64>, digits: usize| error.map_or(String::new(), |error| format!("{error:.digits$e}"));
+        let kept =
+            format!("{study},{name},{n},{threads},{precision},{backend},{median:.4},{unit},{}", number(error, 1));
+        let mut shown = format!(
+            "{study:<10} {name:<38} {n:>9} {threads:>7} {precision:<4} {:>25} {unit:>12} {:<8}",
+            format!("{median:.4} ({low:.4}-{high:.4})"),
+            number(error, 1)
+        );
         for (peer, error) in peers {
             let ratio = median / peer.median;
-            let told = error.map_or(String::new(), |error| format!("  error {error:.1e}"));
+            let (Time { name, median, .. }, error) = (peer, number(*error, 1));
             if self.run == Run::Measure {
-                let Time { name, median, low, high } = peer;
-                println!("    {name:<26} {median:>9.3} {unit}  ({low:.3} to {high:.3})  ours/its {ratio:.2}{told}");
+                println!("{shown}  {name:<26} {median:>10.4} {ratio:>6.2} {error:<8}");
+                shown = " ".repeat(shown.chars().count());
             }
-            let error = error.map_or(String::new(), |error| format!("{error:e}"));
-            self.lines.push(format!(
-                "{},{name},{n},{threads},{precision},{backend},{median:.4},{},{:.4},{ratio:.4},{error},{unit}",
-                self.study, peer.name, peer.median
-            ));
+            self.lines.push(format!("{kept},{name},{median:.4},{ratio:.4},{error}"));
+        }
+        if peers.is_empty() {
+            if self.run == Run::Measure {
+                println!("{shown}");
+            }
+            self.lines.push(format!("{kept},,,,"));
         }
     }
 
@@ -69,23 +96,23 @@ impl Summary {
     /// # Errors
     /// The file cannot be written.
     pub fn write(self) -> std::io::Result<()> {
-        let (Run::Measure, Some(path)) = (self.run, path()) else { return Ok(()) };
+        if self.run != Run::Measure || self.lines.is_empty() {
+            return Ok(());
+        }
+        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("results/summary.csv");
         let old = fs::read_to_string(&path).unwrap_or_default();
         let keys: Vec<_> = self.lines.iter().map(|line| key(line)).collect();
         let kept = old.lines().skip(1).filter(|line| !keys.contains(&key(line))).map(str::to_owned);
-        let lines: Vec<String> = [HEADER.to_owned()].into_iter().chain(kept).chain(self.lines.clone()).collect();
-        fs::write(&path, lines.join("\n") + "\n")?;
-        println!("{} lines are in {}", self.study, path.display());
+        let mut lines: Vec<String> = kept.chain(self.lines.clone()).collect();
+        // A study's lines stay together, in the order in which they were made.
+        lines.sort_by(|a, b| a.split(',').next().cmp(&b.split(',').next()));
+        fs::write(&path, [HEADER.to_owned()].into_iter().chain(lines).collect::<Vec<_>>().join("\n") + "\n")?;
+        println!("{}: {} lines are in benches/results/summary.csv", self.study, self.lines.len());
         Ok(())
     }
 }
 
-/// What a line is about: all columns but the measured ones.
+/// What a line is about: study, case, rows, threads, precision, backend, peer.
 fn key(line: &str) -> Vec<&str> {
-    line.split(',').enumerate().filter(|(column, _)| *column < 6 || *column == 7).map(|(_, cell)| cell).collect()
-}
-
-/// `target/bench-summary.csv`: a bench is `target/release/deps/NAME`.
-fn path() -> Option<PathBuf> {
-    Some(std::env::current_exe().ok()?.ancestors().nth(3)?.join("bench-summary.csv"))
+    line.split(',').enumerate().filter(|(column, _)| *column < 6 || *column == 9).map(|(_, cell)| cell).collect()
 }

@@ -1,32 +1,11 @@
-//! The same five laws as systems of bevy_ecs, single-threaded, over whole slices of components.
+//! The five laws as systems of bevy_ecs, single-threaded, over whole slices of components.
 
+use super::{Charge, Drag, Force, Mass, Place, Speed, components, vector};
 use crate::scenes::{Bodies, ELECTRIC, GRAVITY, MAGNETIC, STEP};
-use bevy_ecs::prelude::{Component, Query, Res, Resource};
+use bevy_ecs::prelude::{Query, Res, Resource};
 use bevy_ecs::schedule::{IntoScheduleConfigs, Schedule, SingleThreadedExecutor};
 use bevy_ecs::world::World;
 use vesper::real::{Scalar, Vector};
-
-macro_rules! components {
-    ($($(#[$doc:meta])* $name:ident: $value:ty,)*) => {$(
-        $(#[$doc])*
-        #[derive(Component, Clone, Copy, Debug)]
-        pub struct $name<P: Scalar>(pub $value);
-    )*};
-}
-components! {
-    /// Place.
-    Place: P::Vec3,
-    /// Velocity.
-    Speed: P::Vec3,
-    /// Mass.
-    Mass: P,
-    /// Charge.
-    Charge: P,
-    /// Coefficient of drag.
-    Drag: P,
-    /// Sum of all forces.
-    Force: P::Vec3,
-}
 
 /// The fields.
 #[derive(Resource, Clone, Copy, Debug)]
@@ -43,10 +22,6 @@ pub fn schedule() -> Schedule {
     schedule
 }
 
-fn vector<P: Scalar>([x, y, z]: [f64; 3]) -> P::Vec3 {
-    P::Vec3::new(P::from_f64(x), P::from_f64(y), P::from_f64(z))
-}
-
 /// A world with these bodies, and the five systems.
 pub fn charged<P: Scalar>(bodies: &Bodies) -> (World, Schedule) {
     let mut world = World::new();
@@ -55,20 +30,7 @@ pub fn charged<P: Scalar>(bodies: &Bodies) -> (World, Schedule) {
         electric: vector::<P>(ELECTRIC),
         magnetic: vector::<P>(MAGNETIC),
     });
-    world.spawn_batch(
-        (0..bodies.len())
-            .map(|row| {
-                (
-                    Place::<P>(vector::<P>(bodies.position[row])),
-                    Speed::<P>(vector::<P>(bodies.velocity[row])),
-                    Mass(P::from_f64(bodies.mass[row])),
-                    Charge(P::from_f64(bodies.charge[row])),
-                    Drag(P::from_f64(bodies.drag[row])),
-                    Force::<P>(P::Vec3::zero()),
-                )
-            })
-            .collect::<Vec<_>>(),
-    );
+    world.spawn_batch(components::<P>(bodies));
     let mut schedule = schedule();
     schedule.add_systems((drag::<P>, electric::<P>, weight::<P>, magnetic::<P>, motion::<P>).chain());
     (world, schedule)
