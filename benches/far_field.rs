@@ -14,28 +14,41 @@ use vesper_laws::{Gravity, Motion};
 
 const SOFTENING: f64 = 1.0 / 128.0;
 const STAYS: &str = "the bodies stay finite";
-/// How bodies lie, how many, errors that are asked for, and whether all pairs and Barnes-Hut run beside them.
-const STUDIES: [(Shape, usize, &[f64], bool, bool); 8] = [
-    (Shape::Plummer, 4096, &[1.2e-3], true, false),
-    (Shape::Plummer, 8192, &[1.2e-3, 1e-5], true, false),
-    (Shape::Plummer, 50_000, &[1e-5], true, false),
-    (Shape::Plummer, 100_000, &[1.2e-3, 1e-5], false, true),
-    (Shape::Plummer, 1_000_000, &[1.3e-3], false, false),
-    (Shape::Disc, 50_000, &[1e-5], true, false),
-    (Shape::Disc, 100_000, &[1.2e-3, 1e-5], false, true),
-    (Shape::Disc, 1_000_000, &[1.3e-3], false, false),
+/// What is run in turns.
+struct Study {
+    shape: Shape,
+    bodies: usize,
+    /// Errors that are asked for.
+    errors: &'static [f64],
+    all_pairs: bool,
+    barnes_hut: bool,
+}
+
+const fn study_of(shape: Shape, bodies: usize, errors: &'static [f64], all_pairs: bool, barnes_hut: bool) -> Study {
+    Study { shape, bodies, errors, all_pairs, barnes_hut }
+}
+
+const STUDIES: [Study; 8] = [
+    study_of(Shape::Plummer, 4096, &[1.2e-3], true, false),
+    study_of(Shape::Plummer, 8192, &[1.2e-3, 1e-5], true, false),
+    study_of(Shape::Plummer, 50_000, &[1e-5], true, false),
+    study_of(Shape::Plummer, 100_000, &[1.2e-3, 1e-5], false, true),
+    study_of(Shape::Plummer, 1_000_000, &[1.3e-3], false, false),
+    study_of(Shape::Disc, 50_000, &[1e-5], true, false),
+    study_of(Shape::Disc, 100_000, &[1.2e-3, 1e-5], false, true),
+    study_of(Shape::Disc, 1_000_000, &[1.3e-3], false, false),
 ];
 /// Bodies of each distribution of which the error is looked at, and errors that are asked for.
 const LOOKED_AT: (usize, [f64; 3]) = (20_000, [1e-2, 1e-3, 1e-4]);
 
-fn engine<P: Precision>(bodies: &Cloud, error: Option<f64>) -> Engine<P> {
+fn engine<P: Precision>(bodies: &Cloud, error: Option<f64>, threads: usize) -> Engine<P> {
     let law = Gravity { g: 1.0, softening: SOFTENING };
     let builder = Engine::builder().domain(bodies.domain()).law(Motion).integrator(SemiImplicitEuler).step(STEP);
     let builder = match error {
         Some(error) => builder.law(law.far_field(error)),
         None => builder.law(law),
     };
-    builder.threads(1).strict().build().expect("the scene has all that the laws read")
+    builder.threads(threads).strict().build().expect("the scene has all that the laws read")
 }
 
 /// The error of one step from rest: velocities are accelerations then.
@@ -66,16 +79,53 @@ fn barnes_hut<'a>(bodies: &Cloud, theta: f32) -> (Contender<'a>, f64) {
     (Contender::new("particular Barnes-Hut 0.5", move || drop(std::hint::black_box(run()))), error)
 }
 
+/// Far fields to the errors that are asked for, on one thread and on two, beside others.
+fn study(words: &str, asked: &Study, run: Run, summary: &mut Summary) {
+    let n = asked.bodies;
+    let bodies = Cloud::new(asked.shape, n, 0.0);
+    let (mut contenders, mut found, mut beside_error) = (Vec::new(), Vec::new(), Vec::new());
+    for error in asked.errors {
+        for threads in [1, 2] {
+            let mut far = engine::<f32>(&bodies, Some(*error), threads);
+            if threads == 1 {
+                found.push(error_of(&bodies, &mut far));
+            }
+            contenders.push(Contender::new("one thread", move || far.steps_of(1, STEP).expect(STAYS)));
+        }
+        let last = found[found.len() - 1];
+        assert!(last < 1.5 * error, "asked {error:e}, found {last:e}");
+    }
+    if asked.all_pairs {
+        let mut direct = engine::<f32>(&bodies, None, 1);
+        beside_error.push(Some(error_of(&bodies, &mut direct)));
+        contenders.push(Contender::new("all pairs", move || direct.steps_of(1, STEP).expect(STAYS)));
+    }
+    if asked.barnes_hut {
+        let (contender, error) = barnes_hut(&bodies, 0.5);
+        beside_error.push(Some(error));
+        contenders.push(contender);
+    }
+    let times = Race { rounds: 7, ..Race::default() }.run(run, n as f64, &mut contenders);
+    let (ours, peers) = times.split_at(2 * asked.errors.len());
+    for ((times, error), found) in ours.chunks_exact(2).zip(asked.errors).zip(&found) {
+        let name = format!("{words} to {error:e}");
+        let case = |threads| Case { name: &name, n, threads, precision: "f32", unit: "ns/body", error: Some(*found) };
+        let beside: Vec<_> = peers.iter().copied().zip(beside_error.iter().copied()).collect();
+        summary.add(case(1), times[0], &beside);
+        summary.add(case(2), times[1], &[(times[0], Some(*found))]);
+    }
+}
+
 /// The error that is found where another one is asked for, in f64, and the time beside all pairs.
 fn distributions(summary: &mut Summary) {
     let (n, asked) = LOOKED_AT;
     for (words, shape) in Shape::ALL {
         let bodies = Cloud::new(shape, n, 0.0);
-        let mut direct = engine::<f64>(&bodies, None);
+        let mut direct = engine::<f64>(&bodies, None, 1);
         let exact = error_of(&bodies, &mut direct);
         let mut contenders = vec![Contender::new("all pairs", move || direct.steps_of(1, STEP).expect(STAYS))];
         let errors = asked.map(|asked| {
-            let mut far = engine::<f64>(&bodies, Some(asked));
+            let mut far = engine::<f64>(&bodies, Some(asked), 1);
             let error = error_of(&bodies, &mut far);
             contenders.push(Contender::new("far field", move || far.steps_of(1, STEP).expect(STAYS)));
             error
@@ -92,37 +142,10 @@ fn distributions(summary: &mut Summary) {
 fn main() -> std::io::Result<()> {
     let run = Run::from_arguments();
     let mut summary = Summary::new("far_field", run);
-    for (shape, n, errors, all_pairs, beside) in if run == Run::Test { &STUDIES[..1] } else { &STUDIES[..] } {
-        let words = if *shape == Shape::Disc { "galaxy disc" } else { "Plummer sphere" };
-        if !run.wants(&format!("far_field/{words}/{n}")) {
-            continue;
-        }
-        let bodies = Cloud::new(*shape, *n, 0.0);
-        let (mut contenders, mut found, mut beside_error) = (Vec::new(), Vec::new(), Vec::new());
-        for asked in *errors {
-            let mut far = engine::<f32>(&bodies, Some(*asked));
-            let error = error_of(&bodies, &mut far);
-            assert!(error < 1.5 * asked, "asked {asked:e}, found {error:e}");
-            found.push(error);
-            contenders.push(Contender::new("far field", move || far.steps_of(1, STEP).expect(STAYS)));
-        }
-        if *all_pairs {
-            let mut direct = engine::<f32>(&bodies, None);
-            beside_error.push(Some(error_of(&bodies, &mut direct)));
-            contenders.push(Contender::new("all pairs", move || direct.steps_of(1, STEP).expect(STAYS)));
-        }
-        if *beside {
-            let (contender, error) = barnes_hut(&bodies, 0.5);
-            beside_error.push(Some(error));
-            contenders.push(contender);
-        }
-        let times = Race { rounds: 7, ..Race::default() }.run(run, *n as f64, &mut contenders);
-        let (ours, peers) = times.split_at(errors.len());
-        for ((time, asked), error) in ours.iter().zip(*errors).zip(&found) {
-            let name = format!("{words} to {asked:e}");
-            let case = Case { name: &name, n: *n, threads: 1, precision: "f32", unit: "ns/body", error: Some(*error) };
-            let beside: Vec<_> = peers.iter().copied().zip(beside_error.iter().copied()).collect();
-            summary.add(case, *time, &beside);
+    for asked in if run == Run::Test { &STUDIES[..1] } else { &STUDIES[..] } {
+        let words = if asked.shape == Shape::Disc { "galaxy disc" } else { "Plummer sphere" };
+        if run.wants(&format!("far_field/{words}/{}", asked.bodies)) {
+            study(words, asked, run, &mut summary);
         }
     }
     if run == Run::Measure && run.wants("far_field/distributions") {

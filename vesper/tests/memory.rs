@@ -227,3 +227,69 @@ fn steps_that_are_taken_again_to_a_jump() {
     assert!(engine.state().get("bodies", Position, 0).unwrap().x > 0.25);
     assert!(engine.evaluations() > 6, "{}", engine.evaluations());
 }
+
+/// Attraction whose pairs may be estimated, looked at once, and summed from far away.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(reads(position: Position, mass: Mass), adds(force: Force), antisymmetric, estimates)]
+struct Attraction<R = f64> {
+    /// Constant of gravitation.
+    #[law(unit = "m^3 kg^-1 s^-2", default = 1.0)]
+    g: R,
+    /// Softening length.
+    #[law(unit = "m", default = 0.125)]
+    softening: R,
+}
+
+#[kernel]
+impl<R: Real> PairLaw<R> for Attraction<R> {
+    fn pair(&self, i: AttractionRow<R>, j: AttractionRow<R>) -> R::Vec3 {
+        let d = j.position - i.position;
+        d * (self.g * i.mass * j.mass).over_root_cubed(d.length_squared() + self.softening * self.softening)
+    }
+
+    fn inverse_square(&self, row: AttractionRow<R>) -> InverseSquare<R> {
+        InverseSquare { source: row.mass, response: self.g * row.mass, softening: self.softening }
+    }
+}
+
+/// Repulsion that ends at a distance.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(reads(position: Position), adds(force: Force), translation_invariant, estimates)]
+struct Repulsion<R = f64> {
+    /// Strength.
+    #[law(unit = "N/m", default = 1.0)]
+    strength: R,
+    /// Distance at which it ends.
+    #[law(unit = "m", default = 0.5, cutoff)]
+    cutoff: R,
+}
+
+#[kernel]
+impl<R: Real> PairLaw<R> for Repulsion<R> {
+    fn pair(&self, i: RepulsionRow<R>, j: RepulsionRow<R>) -> R::Vec3 {
+        (i.position - j.position) * self.strength
+    }
+}
+
+/// One step of a law on so many rows in a cube of edge 2.
+fn one_step<P: Precision>(rows: usize, law: impl Fn(Builder<P>) -> Builder<P>) {
+    let builder = Engine::<P>::builder().domain(cloud::<P>(rows, 1)).law(Motion).integrator(SemiImplicitEuler);
+    let mut engine = law(builder).step(0.01).isa(Isa::Scalar).build().unwrap();
+    engine.advance(0.01).unwrap();
+}
+
+#[test]
+fn pairs_that_are_looked_at_once() {
+    // Nine strips, and rows that fill none.
+    one_step::<f32>(581, |builder| builder.law(Attraction::default()));
+}
+
+#[test]
+fn pairs_from_lists_of_a_periodic_box() {
+    one_step::<f64>(70, |builder| builder.law(Repulsion::default()).constant(PeriodicBox, [[2.0; 3]]));
+}
+
+#[test]
+fn pairs_of_far_rows() {
+    one_step::<f32>(520, |builder| builder.law(Attraction::default().far_field(0.5)));
+}

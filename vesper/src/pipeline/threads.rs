@@ -36,6 +36,9 @@ pub(super) fn on_desks<P: Scalar, D: Send>(context: &Context<'_, P>, desks: &mut
     });
 }
 
+/// Parts for each thread: to take one costs no more than the access to a shared number.
+const PARTS: usize = 16;
+
 /// Calls `work` with the parts of `0..count`, on as many threads; parts begin at multiples of `grain`.
 #[inline]
 pub(super) fn in_parts<P: Scalar>(
@@ -48,10 +51,10 @@ pub(super) fn in_parts<P: Scalar>(
     if threads <= 1 || count <= grain {
         return work(0..count);
     }
-    // More parts than threads, so that a thread that is late does not hold up the others. No sum crosses a part, so
-    // that any number of threads gives the same bits.
+    // More parts than threads, so that a thread that is late does not hold up the others: it has one of them at most. No sum
+    // crosses a part, so that any number of threads gives the same bits.
     let parts = count.div_ceil(grain);
-    let each = parts.div_ceil((threads * 4).min(parts)) * grain;
+    let each = parts.div_ceil((threads * PARTS).min(parts)) * grain;
     let next = AtomicUsize::new(0);
     together(context, threads, || {
         loop {
