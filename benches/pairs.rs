@@ -38,13 +38,6 @@ fn engine<P: Precision>(bodies: &Cloud, foreign: bool, threads: usize, isa: Isa)
     builder.build().expect("the scene has all that the laws read")
 }
 
-/// One step from rest: velocities are accelerations then.
-fn error_of<P: Precision>(bodies: &Cloud, engine: &mut Engine<P>) -> f64 {
-    engine.steps_of(1, STEP).expect(STAYS);
-    let velocities = engine.state().numbers("bodies", Velocity).expect("the engine has velocities");
-    bodies.error(SOFTENING, |row| [0, 1, 2].map(|axis| velocities[3 * row + axis] / STEP))
-}
-
 fn step<'a, P: Precision>(name: &'static str, mut engine: Engine<P>) -> Contender<'a> {
     Contender::new(name, move || engine.steps_of(1, STEP).expect(STAYS))
 }
@@ -92,7 +85,7 @@ fn study<'a, P: Precision>(
     peers: Vec<(Contender<'a>, f64)>,
 ) {
     let widest = Isa::detect();
-    let error = error_of(bodies, &mut engine::<P>(bodies, false, 1, widest));
+    let error = bodies.error_of_step(SOFTENING, &mut engine::<P>(bodies, false, 1, widest));
     assert!(error < 16.0 * P::EPSILON, "{n} in {}: an error of {error}", P::NAME);
     let narrow = Isa::available().into_iter().rev().nth(1).unwrap_or(widest);
     let (mut contenders, errors): (Vec<_>, Vec<_>) = peers.into_iter().unzip();
@@ -130,13 +123,11 @@ fn study<'a, P: Precision>(
 
 fn main() -> std::io::Result<()> {
     let run = Run::from_arguments();
-    // A build for this very processor is another study: the peer is chosen when it is compiled.
-    let name = if cfg!(target_feature = "avx2") { "pairs_native" } else { "pairs" };
-    let (mut summary, mut lines) = (Summary::new(name, run), criterion());
+    let (mut summary, mut lines) = (Summary::new("pairs", run), criterion());
     for n in if run == Run::Test { &SIZES[..1] } else { &SIZES } {
         let bodies = Cloud::plummer(*n, 0.0);
-        let far =
-            error_of(&Cloud::plummer(*n, FAR), &mut engine::<f32>(&Cloud::plummer(*n, FAR), false, 1, Isa::detect()));
+        let far = Cloud::plummer(*n, FAR);
+        let far = far.error_of_step(SOFTENING, &mut engine::<f32>(&far, false, 1, Isa::detect()));
         println!("pairs     {n} bodies, {FAR} scale lengths off, in f32: rms error {far:.1e}");
         assert!(far < 3e-7, "the error is that of places in f32, wherever they are");
         if run.wants(&format!("pairs/f32/{n}")) {

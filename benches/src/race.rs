@@ -48,17 +48,28 @@ impl Run {
 
     /// Whether a piece of work of this name is to run: the free words of the command line are parts of names.
     pub fn wants(self, name: &str) -> bool {
-        let mut words = Vec::new();
-        let mut arguments = std::env::args().skip(1);
-        while let Some(argument) = arguments.next() {
-            if !argument.starts_with('-') {
-                words.push(argument);
-            } else if argument.starts_with("--") && !argument.contains('=') && !FLAGS.contains(&argument.as_str()) {
-                arguments.next();
-            }
-        }
+        let words = words();
         self != Run::List && (words.is_empty() || words.iter().any(|word| name.contains(word.as_str())))
     }
+
+    /// Whether all work is to run: the command line has no free words.
+    pub fn is_whole() -> bool {
+        words().is_empty()
+    }
+}
+
+/// The free words of the command line.
+fn words() -> Vec<String> {
+    let mut words = Vec::new();
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        if !argument.starts_with('-') {
+            words.push(argument);
+        } else if argument.starts_with("--") && !argument.contains('=') && !FLAGS.contains(&argument.as_str()) {
+            arguments.next();
+        }
+    }
+    words
 }
 
 /// Criterion with short times: its lines are for comparing runs, the summary's for comparing peers.

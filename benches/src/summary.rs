@@ -1,15 +1,20 @@
 //! The summary: one line for each pair of times, printed as a table, and kept as `benches/results/summary.csv`.
+//!
+//! Our loops are chosen at run time; those of peers are compiled for the processor that a build is for. So a build for the very
+//! processor that it runs on (`RUSTFLAGS="-C target-cpu=native"`) is another study, whose name ends in `_native`.
 
 use crate::{Run, Time};
 use std::fs;
 use std::path::PathBuf;
+use vesper::real::Isa;
 
-const HEADER: &str = "study,case,n,threads,precision,backend,ours,unit,error,peer,peers,ratio,peer_error";
+const HEADER: &str = "study,case,n,threads,precision,backend,ours,unit,error,peer,peers,ratio,peer_error,processor";
 
-/// The lines of one study. Written when it ends; lines of other cases and peers stay.
+/// The lines of one study. When it ends they are put in place of its old ones: of all, or, where words have chosen some cases, of
+/// the same ones.
 #[derive(Debug)]
 pub struct Summary {
-    study: &'static str,
+    study: String,
     run: Run,
     lines: Vec<String>,
 }
@@ -19,7 +24,7 @@ pub struct Summary {
 pub struct Case<'a> {
     /// Its name, without a comma.
     pub name: &'a str,
-    /// Rows, pairs or links.
+    /// Rows or links.
     pub n: usize,
     /// Threads.
     pub threads: usize,
@@ -51,6 +56,7 @@ impl Summary {
                 "error"
             );
         }
+        let study = if cfg!(target_feature = "avx2") { format!("{study}_native") } else { study.to_owned() };
         Summary { study, run, lines: Vec::new() }
     }
 
@@ -60,34 +66,32 @@ impl Summary {
         let Case { name, n, threads, precision, unit, error } = case;
         assert!(!name.contains(','), "{name}: a comma would end the cell of the summary");
         let Time { median, low, high, .. } = ours;
-        let study = self.study;
+        let study = &self.study;
         if self.run == Run::Test {
             println!("{study} {name} n={n} {precision} {threads}: runs");
         }
         let backend = if threads == 1 { "cpu" } else { "parallel" };
-        let number =
-            |error: Option<f64>, digits: usize| error.map_or(String::new(), |error| format!("{error:.digits$e}"));
-        let kept =
-            format!("{study},{name},{n},{threads},{precision},{backend},{median:.4},{unit},{}", number(error, 1));
+        let number = |error: Option<f64>| error.map_or(String::new(), |error| format!("{error:.1e}"));
+        let kept = format!("{study},{name},{n},{threads},{precision},{backend},{median:.4},{unit},{}", number(error));
         let mut shown = format!(
             "{study:<10} {name:<38} {n:>9} {threads:>7} {precision:<4} {:>25} {unit:>12} {:<8}",
             format!("{median:.4} ({low:.4}-{high:.4})"),
-            number(error, 1)
+            number(error)
         );
         for (peer, error) in peers {
             let ratio = median / peer.median;
-            let (Time { name, median, .. }, error) = (peer, number(*error, 1));
+            let (Time { name, median, .. }, error) = (peer, number(*error));
             if self.run == Run::Measure {
                 println!("{shown}  {name:<26} {median:>10.4} {ratio:>6.2} {error:<8}");
                 shown = " ".repeat(shown.chars().count());
             }
-            self.lines.push(format!("{kept},{name},{median:.4},{ratio:.4},{error}"));
+            self.lines.push(format!("{kept},{name},{median:.4},{ratio:.4},{error},{}", processor()));
         }
         if peers.is_empty() {
             if self.run == Run::Measure {
                 println!("{shown}");
             }
-            self.lines.push(format!("{kept},,,,"));
+            self.lines.push(format!("{kept},,,,,{}", processor()));
         }
     }
 
@@ -102,7 +106,11 @@ impl Summary {
         let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("results/summary.csv");
         let old = fs::read_to_string(&path).unwrap_or_default();
         let keys: Vec<_> = self.lines.iter().map(|line| key(line)).collect();
-        let kept = old.lines().skip(1).filter(|line| !keys.contains(&key(line))).map(str::to_owned);
+        let replaced = |line: &str| match Run::is_whole() {
+            true => line.split(',').next() == Some(&self.study),
+            false => keys.contains(&key(line)),
+        };
+        let kept = old.lines().skip(1).filter(|line| !replaced(line)).map(str::to_owned);
         let mut lines: Vec<String> = kept.chain(self.lines.clone()).collect();
         // A study's lines stay together, in the order in which they were made.
         lines.sort_by(|a, b| a.split(',').next().cmp(&b.split(',').next()));
@@ -110,6 +118,13 @@ impl Summary {
         println!("{}: {} lines are in benches/results/summary.csv", self.study, self.lines.len());
         Ok(())
     }
+}
+
+/// The processor's name, where the system tells, and its widest lanes that are used.
+fn processor() -> String {
+    let told = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = told.lines().find_map(|line| line.strip_prefix("model name")?.split(':').nth(1));
+    format!("{} {:?}", name.unwrap_or("unknown").trim().replace(',', ";"), Isa::detect())
 }
 
 /// What a line is about: study, case, rows, threads, precision, backend, peer.

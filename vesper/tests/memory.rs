@@ -271,25 +271,28 @@ impl<R: Real> PairLaw<R> for Repulsion<R> {
     }
 }
 
-/// One step of a law on so many rows in a cube of edge 2.
-fn one_step<P: Precision>(rows: usize, law: impl Fn(Builder<P>) -> Builder<P>) {
+/// One step of a law on so many rows in a cube of edge 2, whose pairs are found in this way.
+fn one_step<P: Precision>(rows: usize, way: &str, law: impl Fn(Builder<P>) -> Builder<P>) {
     let builder = Engine::<P>::builder().domain(cloud::<P>(rows, 1)).law(Motion).integrator(SemiImplicitEuler);
     let mut engine = law(builder).step(0.01).isa(Isa::Scalar).build().unwrap();
+    assert!(engine.explain().contains(way), "{}", engine.explain());
     engine.advance(0.01).unwrap();
 }
 
 #[test]
 fn pairs_that_are_looked_at_once() {
     // Nine strips, and rows that fill none.
-    one_step::<f32>(581, |builder| builder.law(Attraction::default()));
+    one_step::<f32>(581, "each pair once", |builder| builder.law(Attraction::default()));
 }
 
 #[test]
 fn pairs_from_lists_of_a_periodic_box() {
-    one_step::<f64>(70, |builder| builder.law(Repulsion::default()).constant(PeriodicBox, [[2.0; 3]]));
+    one_step::<f64>(70, "lists of neighbours", |builder| {
+        builder.law(Repulsion::default()).constant(PeriodicBox, [[2.0; 3]])
+    });
 }
 
 #[test]
 fn pairs_of_far_rows() {
-    one_step::<f32>(520, |builder| builder.law(Attraction::default().far_field(0.5)));
+    one_step::<f32>(520, "far ones together", |builder| builder.law(Attraction::default().far_field(0.5)));
 }

@@ -7,7 +7,7 @@ use vesper::law::{Mode, Place, Port};
 use vesper::prelude::*;
 use vesper::property::{PropertyInfo, Role};
 
-/// Numbers without order in 0.5 to 1.5, the same every time.
+/// Numbers without order in 0.5 to 1.5, the same every time, which f32 holds.
 #[derive(Clone, Debug)]
 pub struct Numbers(u64);
 
@@ -21,7 +21,7 @@ impl Numbers {
     pub fn next_number(&mut self) -> f64 {
         // Knuth's linear congruential generator (MMIX), its upper bits.
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64 + 0.5
+        (self.0 >> 41) as f64 / (1_u64 << 23) as f64 + 0.5
     }
 
     /// A column of a property: vectors in all directions, numbers above 0.
@@ -68,8 +68,9 @@ pub fn crowd<P: Precision>(laws: &[(&StockLaw, &str)], rows: usize) -> Vec<Domai
             .collect();
         properties.retain(|property| !set.contains(&property.name));
         if let Some(link) = link {
-            // Every row is linked to several times, out of order.
-            let between = (0..2 * rows as u64).map(|row| [row * 7, row * 13 + 5].map(|end| (end % rows as u64) as u32));
+            // Some rows are linked to several times, none in order.
+            let mut end = || (((numbers.next_number() - 0.5) * rows as f64) as u32).min(rows as u32 - 1);
+            let between: Vec<[u32; 2]> = (0..2 * rows).map(|_| [end(), end()]).collect();
             let linked = format!("{name}_ends");
             made.push(ends.iter().fold(Domain::new(&linked), |domain, info| numbers.column(domain, *info, rows)));
             let domain = Domain::new(name).link(link, &linked, between);
@@ -85,17 +86,17 @@ pub fn crowd<P: Precision>(laws: &[(&StockLaw, &str)], rows: usize) -> Vec<Domai
 /// The constants and fields that stock laws read.
 pub fn surroundings<P: Precision>(builder: Builder<P>) -> Builder<P> {
     builder
-        .constant(GravityAcceleration, [[0.1, 0.2, -9.81]])
+        .constant(GravityAcceleration, [[0.125, 0.25, -9.8125]])
         .constant(SpeedOfLight, [20.0])
         .field(GravityField, |place: P::Vec3, time: P| place * time)
-        .field(ElectricField, Point { at: [0.1, 0.2, 0.3], strength: 2.0 })
-        .field(MagneticField, Uniform { value: [0.3, -0.2, 1.5] })
+        .field(ElectricField, Point { at: [0.125, 0.25, 0.375], strength: 2.0 })
+        .field(MagneticField, Uniform { value: [0.375, -0.25, 1.5] })
 }
 
-/// A number for every parameter of a law: its default, or 0.7.
+/// A number for every parameter of a law: its default, or 0.75.
 pub fn parameters(law: &StockLaw) -> Vec<f64> {
     let declared = law.signature.parameters.iter();
-    declared.flat_map(|parameter| parameter.default.unwrap_or([0.7; 3]).into_iter().take(parameter.width)).collect()
+    declared.flat_map(|parameter| parameter.default.unwrap_or([0.75; 3]).into_iter().take(parameter.width)).collect()
 }
 
 /// What a law of a domain moves or computes, each with the domain it is on; switches are the law's own.

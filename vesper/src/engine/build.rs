@@ -469,8 +469,9 @@ fn machine(threads: Option<usize>, isa: Option<Isa>, faults: &mut Vec<Fault>) ->
     #[cfg(feature = "parallel")]
     {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-        let pool = threads.filter(|count| (1..=MOST_THREADS).contains(count)).and_then(|count| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
+        // The thread that calls is one of them.
+        let pool = threads.filter(|count| (2..=MOST_THREADS).contains(count)).and_then(|count| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(count - 1).build();
             pool.map_err(|error| faults.push(Fault::ThreadPool { reason: error.to_string() })).ok()
         });
         let (threads, pool) = (threads.unwrap_or_else(cores), pool.map(Arc::new));

@@ -70,7 +70,8 @@ struct OnThreads<'a, 'b, P: Scalar> {
 
 impl<P: Scalar> Parts for OnThreads<'_, '_, P> {
     fn run(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
-        in_parts(self.context, self.threads, count, 1, |parts| parts.for_each(work));
+        // SAFETY: the work may be shared, as its type says.
+        unsafe { in_parts(self.context, self.threads, count, 1, |parts| parts.for_each(work)) };
     }
 }
 

@@ -32,6 +32,7 @@ mod switches;
 mod tangent;
 mod threads;
 mod turning;
+mod turns;
 mod vectors;
 
 pub(crate) use bind::{Program, program};

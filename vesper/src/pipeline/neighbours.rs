@@ -9,6 +9,7 @@ use crate::column::Aligned;
 use crate::law::{Place, Signature};
 use crate::property::{PeriodicBox, Property};
 use crate::real::Scalar;
+use core::ops::Range;
 
 /// Rows from which on lists are looked at: fewer meet each other sooner.
 const MANY: usize = 256;
@@ -162,7 +163,10 @@ fn build<P: Scalar>(
         Some(lists) => lists,
         None => Lists::new(ListReach::new(near.cutoff, near.lengths))?,
     };
-    lists.build(context.isa, places, &|parts, work| in_parts(context, threads, parts, 1, work))?;
+    lists.build(context.isa, places, &|parts, work| {
+        // SAFETY: the work may be shared, as its type says.
+        unsafe { in_parts(context, threads, parts, 1, work) };
+    })?;
     near.pays = lists.pays(HOLDS);
     near.lists = Some(lists);
     Ok(())
@@ -189,7 +193,7 @@ fn fill<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) {
     }
     let threads = if pass.rows >= PARALLEL_ENTRIES { pass.threads } else { 1 };
     let (slots, place) = (&near.slots, near.place);
-    in_parts(context, threads, pass.rows, 1024, |rows| {
+    let bring = |rows: Range<usize>| {
         let entries = lists.entries_of(rows.clone());
         // SAFETY: there is a number for each entry, and parts are of different rows, whose entries are different ones.
         let of =
@@ -202,7 +206,9 @@ fn fill<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) {
                 lists.spread(rows.clone(), from, of(slot));
             }
         }
-    });
+    };
+    // SAFETY: as above.
+    unsafe { in_parts(context, threads, pass.rows, 1024, bring) };
 }
 
 /// Runs the law over the lists that [`follow`] has made.
@@ -211,11 +217,13 @@ pub(super) fn run<P: Scalar>(pass: &PairPass<P>, context: &Context<'_, P>) {
     let Some(lists) = &near.lists else { return lose(pass) };
     let call = PairCall { slots: &near.slots, ..pass.all() };
     let isa = context.isa;
-    in_parts(context, pass.threads, lists.clusters(), 8, |clusters| {
-        // SAFETY: the slots have a number for every entry of what the law reads, and for every row of what it adds to; each row
-        // is in one cluster.
-        unsafe { pass.kernel.run_listed(isa, &call, lists, clusters) };
-    });
+    // SAFETY: the slots have a number for every entry of what the law reads, and for every row of what it adds to; each row is in
+    // one cluster.
+    unsafe {
+        in_parts(context, pass.threads, lists.clusters(), 8, |clusters| {
+            pass.kernel.run_listed(isa, &call, lists, clusters);
+        });
+    };
 }
 
 /// The energy of all pairs within the cut-off.

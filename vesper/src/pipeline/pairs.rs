@@ -4,6 +4,7 @@ use super::bind::{Base, PairPass};
 use super::pass::first_result;
 use super::run::Context;
 use super::threads::{in_parts, together};
+use super::turns::Turns;
 use crate::backend::{PairCall, Tally, meeting_block, rounds};
 use crate::column::Aligned;
 use crate::real::Scalar;
@@ -20,19 +21,9 @@ pub(crate) struct Once<P: Scalar> {
     scratch: Vec<Vec<*mut P>>,
     /// Rows that meet; those behind them, which do not fill lanes, are given what the others do row by row.
     rows: usize,
-    meetings: Vec<Meeting>,
-    /// How many meetings each block has had.
-    had: Vec<AtomicUsize>,
-    /// How many it has.
-    has: usize,
+    turns: Turns,
     /// What the tally and the scratch point to.
     _numbers: Vec<Aligned<P>>,
-}
-
-/// Two blocks meet, or one alone, when each has had so many meetings.
-struct Meeting {
-    blocks: [usize; 2],
-    after: [usize; 2],
 }
 
 // SAFETY: its pointers are into its own memory.
@@ -48,18 +39,19 @@ impl<P: Scalar> Once<P> {
         let (sums, scratch) = pointers.split_at(2 * added);
         let tally = Tally { block, numbers: sums.chunks_exact(2).map(|two| [two[0], two[1]]).collect() };
         let scratch = scratch.chunks_exact(added.max(1)).map(<[_]>::to_vec).collect();
-        let blocks = rows.div_ceil(tally.block);
-        let mut after = vec![0; blocks];
-        let in_turn = rounds(blocks).flatten().map(|blocks| {
-            let meeting = Meeting { blocks, after: blocks.map(|block| after[block]) };
-            let [a, b] = blocks;
-            after[a] += 1;
-            after[b] += usize::from(a != b);
-            meeting
-        });
-        let meetings = in_turn.collect();
-        let had = after.iter().map(|_| AtomicUsize::new(0)).collect();
-        Once { tally, scratch, rows, meetings, had, has: blocks, _numbers: numbers }
+        let blocks = rows.div_ceil(block);
+        Once { tally, scratch, rows, turns: Turns::new(blocks, rounds(blocks)), _numbers: numbers }
+    }
+
+    /// Begins to look at pairs. Where a body panicked before, what it left goes.
+    fn begin(&mut self) {
+        if self.turns.begin() {
+            return;
+        }
+        for number in self.tally.numbers.iter().flatten() {
+            // SAFETY: the tally has a number for each row, and nobody else looks at them now.
+            unsafe { core::slice::from_raw_parts_mut(*number, self.rows) }.fill(P::default());
+        }
     }
 }
 
@@ -141,12 +133,17 @@ pub(super) fn run<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -
         if super::neighbours::follow(pass, context) {
             return super::neighbours::run(pass, context);
         }
-        match &pass.once {
-            Some(once) => meet(pass, once, context),
-            None => in_parts(context, pass.threads, pass.rows, PAIR_GRAIN, |rows| {
-                // SAFETY: the slots have a number for every row; parts sum for different rows.
-                unsafe { pass.kernel.run(context.isa, &pass.call(rows)) };
-            }),
+        match pass.once.take() {
+            Some(mut once) => {
+                meet(pass, &mut once, context);
+                pass.once = Some(once);
+            }
+            // SAFETY: the slots have a number for every row; parts sum for different rows.
+            None => unsafe {
+                in_parts(context, pass.threads, pass.rows, PAIR_GRAIN, |rows| {
+                    pass.kernel.run(context.isa, &pass.call(rows));
+                });
+            },
         }
     });
     context.watch(pass.law, || {
@@ -173,83 +170,36 @@ fn energy<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 {
 }
 
 /// Each pair is looked at once.
-///
-/// Meetings are taken in their order by whoever is free, and wait for those that their blocks have before: the first one that has
-/// not ended waits for none, so that all end. A round need not end before the next one begins.
-fn meet<P: Scalar>(pass: &PairPass<P>, once: &Once<P>, context: &Context<'_, P>) {
-    once.had.iter().for_each(|had| had.store(0, Ordering::Relaxed));
-    let (next, came) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    together(context, pass.threads, || {
-        let Some(scratch) = once.scratch.get(came.fetch_add(1, Ordering::Relaxed)) else { return };
-        loop {
-            let ticket = next.fetch_add(1, Ordering::Relaxed);
-            match once.meetings.get(ticket) {
-                Some(meeting) => meet_two(pass, (once, scratch), context, meeting),
-                None if ticket == once.meetings.len() && once.rows < pass.rows => {
-                    // SAFETY: the slots have a number for every row; nobody else sums for those that do not fill lanes.
-                    unsafe { pass.kernel.run(context.isa, &pass.call(once.rows..pass.rows)) };
-                }
-                None => return,
+fn meet<P: Scalar>(pass: &PairPass<P>, once: &mut Once<P>, context: &Context<'_, P>) {
+    once.begin();
+    let (once, isa, kernel) = (&mut *once, context.isa, &pass.kernel);
+    let Once { tally, scratch, rows, turns, .. } = &*once;
+    let threads = pass.threads.min(turns.at_once());
+    let call = PairCall { others: 0..*rows, ..pass.call(0..*rows) };
+    let came = AtomicUsize::new(0);
+    let work = || {
+        let number = came.fetch_add(1, Ordering::Relaxed);
+        if number == 0 && *rows < pass.rows {
+            // SAFETY: the slots have a number for every row; nobody else sums for those that do not fill lanes.
+            unsafe { kernel.run(isa, &pass.call(*rows..pass.rows)) };
+        }
+        let meet = |blocks| {
+            // SAFETY: the slots and the tally have numbers for every row; the blocks meet nobody else now; the scratch is this
+            // thread's.
+            unsafe { kernel.meet(isa, &call, (tally, &scratch[number]), blocks) };
+        };
+        turns.hold(meet, |block| {
+            let due = pass.call(tally.rows_of(block, *rows));
+            // SAFETY: as above; the block meets nobody any more.
+            unsafe { kernel.give(isa, &due, tally) };
+            if *rows < pass.rows {
+                let left = PairCall { others: *rows..pass.rows, first: false, ..due };
+                // SAFETY: as above.
+                unsafe { kernel.run(isa, &left) };
             }
-        }
-    });
-}
-
-/// Two blocks meet when it is their turn; one that has met all others is given what it is due.
-fn meet_two<P: Scalar>(
-    pass: &PairPass<P>,
-    (once, scratch): (&Once<P>, &[*mut P]),
-    context: &Context<'_, P>,
-    meeting: &Meeting,
-) {
-    let Meeting { blocks: [a, b], after } = *meeting;
-    let [mine, others] = [a, b].map(|block| &once.had[block]);
-    wait_for(mine, after[0]);
-    wait_for(others, after[1]);
-    let _ended = [Ended { had: mine, now: after[0] + 1 }, Ended { had: others, now: after[1] + 1 }];
-    let call = PairCall { others: 0..once.rows, ..pass.call(0..once.rows) };
-    // SAFETY: the slots and the tally have numbers for every row, and the blocks meet nobody else now.
-    unsafe { pass.kernel.meet(context.isa, &call, (&once.tally, scratch), [a, b]) };
-    let there = if a == b { 1 } else { 2 };
-    for (block, after) in [a, b].into_iter().zip(after).take(there) {
-        if after + 1 == once.has {
-            give(pass, once, context, block);
-        }
-    }
-}
-
-/// A block is given what it is due, and what rows that do not fill lanes do to it.
-fn give<P: Scalar>(pass: &PairPass<P>, once: &Once<P>, context: &Context<'_, P>, block: usize) {
-    let rows = once.tally.rows_of(block, once.rows);
-    let due = pass.call(rows);
-    // SAFETY: the slots and the tally have numbers for every row; the block meets nobody any more.
-    unsafe { pass.kernel.give(context.isa, &due, &once.tally) };
-    if once.rows < pass.rows {
-        let left = PairCall { others: once.rows..pass.rows, first: false, ..due };
-        // SAFETY: as above.
-        unsafe { pass.kernel.run(context.isa, &left) };
-    }
-}
-
-/// A block has had so many meetings when this goes, even where a body panics: the others end theirs before that is passed on.
-struct Ended<'a> {
-    had: &'a AtomicUsize,
-    now: usize,
-}
-
-impl Drop for Ended<'_> {
-    fn drop(&mut self) {
-        self.had.store(self.now, Ordering::Release);
-    }
-}
-
-/// Turns that are spun before the core is offered to others: meetings take some ten microseconds.
-const SPINS: usize = 1 << 12;
-
-fn wait_for(had: &AtomicUsize, meetings: usize) {
-    let mut turns = 0;
-    while had.load(Ordering::Acquire) != meetings {
-        turns += 1;
-        if turns < SPINS { core::hint::spin_loop() } else { std::thread::yield_now() }
-    }
+        });
+    };
+    // SAFETY: in turns, threads touch the sums of different blocks, and what a law reads nobody writes.
+    unsafe { together(context, threads, work) };
+    once.turns.end();
 }

@@ -72,13 +72,15 @@ fn run_link<P: Scalar>(pass: &mut LinkPass<P>, context: &Context<'_, P>) -> f64 
             // SAFETY: as above.
             return unsafe { kernel.run(context.isa, &whole) };
         }
-        in_parts(context, pass.portions.len(), pass.portions.len(), 1, |portions| {
+        let run = |portions: core::ops::Range<usize>| {
             for portion in &pass.portions[portions] {
                 let call = LinkCall { slots, ends, links: Links::Listed(&portion.links), rows: portion.rows.clone() };
                 // SAFETY: as above; portions have different rows.
                 unsafe { kernel.run(context.isa, &call) };
             }
-        });
+        };
+        // SAFETY: as above.
+        unsafe { in_parts(context, pass.portions.len(), pass.portions.len(), 1, run) };
     });
     context.watch(pass.law, || {
         let first = first_result(context, pass.law);

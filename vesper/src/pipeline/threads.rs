@@ -9,8 +9,12 @@ use core::ops::Range;
 use core::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Mutex;
 
-/// So many threads do this at once, each until there is nothing left to do. Some may come when all is done.
-pub(super) fn together<P: Scalar>(context: &Context<'_, P>, threads: usize, work: impl Fn()) {
+/// So many threads do this at once, each until there is nothing left to do. Comes back when all of them have: those, too, that came
+/// when all was done. Asks for memory, a little for each thread.
+///
+/// # Safety
+/// What threads do at once may be done at once: they write to different rows, and nobody reads what another one writes.
+pub(super) unsafe fn together<P: Scalar>(context: &Context<'_, P>, threads: usize, work: impl Fn()) {
     #[cfg(feature = "parallel")]
     if threads > 1 {
         let work = Shared(work);
@@ -24,24 +28,33 @@ pub(super) fn together<P: Scalar>(context: &Context<'_, P>, threads: usize, work
     work();
 }
 
-/// Gives each desk to a thread of its own.
-pub(super) fn on_desks<P: Scalar, D: Send>(context: &Context<'_, P>, desks: &mut [D], work: impl Fn(usize, &mut D)) {
+/// Gives each desk to one of as many threads; one that is done sooner takes another desk.
+pub(super) fn on_desks<P: Scalar, D: Send>(
+    context: &Context<'_, P>,
+    desks: &mut [D],
+    work: impl Fn(usize, &mut D) + Sync,
+) {
     let threads = desks.len();
     let free = Mutex::new(desks.iter_mut().enumerate());
     let take = || free.lock().unwrap_or_else(std::sync::PoisonError::into_inner).next();
-    together(context, threads, || {
+    let work = || {
         while let Some((number, desk)) = take() {
             work(number, desk);
         }
-    });
+    };
+    // SAFETY: the work may be shared, as its type says, and a desk is taken once.
+    unsafe { together(context, threads, work) };
 }
 
 /// Parts for each thread: to take one costs no more than the access to a shared number.
 const PARTS: usize = 16;
 
 /// Calls `work` with the parts of `0..count`, on as many threads; parts begin at multiples of `grain`.
+///
+/// # Safety
+/// Different parts may be worked on at once: they are of different rows.
 #[inline]
-pub(super) fn in_parts<P: Scalar>(
+pub(super) unsafe fn in_parts<P: Scalar>(
     context: &Context<'_, P>,
     threads: usize,
     count: usize,
@@ -56,7 +69,7 @@ pub(super) fn in_parts<P: Scalar>(
     let parts = count.div_ceil(grain);
     let each = parts.div_ceil((threads * PARTS).min(parts)) * grain;
     let next = AtomicUsize::new(0);
-    together(context, threads, || {
+    let work = || {
         loop {
             let start = next.fetch_add(each, Ordering::Relaxed);
             if start >= count {
@@ -64,14 +77,16 @@ pub(super) fn in_parts<P: Scalar>(
             }
             work(start..(start + each).min(count));
         }
-    });
+    };
+    // SAFETY: each part is taken once; else passed on to the caller.
+    unsafe { together(context, threads.min(count.div_ceil(each)), work) };
 }
 
 /// Work that threads share, which follows pointers.
 #[cfg(feature = "parallel")]
 struct Shared<F>(F);
 
-// SAFETY: whoever gives work to threads has them touch disjoint rows.
+// SAFETY: `together`, the only one who makes it, is promised that threads may do the work at once.
 #[cfg(feature = "parallel")]
 unsafe impl<F> Sync for Shared<F> {}
 
