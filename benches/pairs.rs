@@ -90,7 +90,8 @@ fn study<'a, P: Precision>(
     let narrow = Isa::available().into_iter().rev().nth(1).unwrap_or(widest);
     let (mut contenders, errors): (Vec<_>, Vec<_>) = peers.into_iter().unzip();
     let peers = contenders.len();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
+    // Beside the thread that calls.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     let mut both = [(); 2].map(|()| engine::<P>(bodies, false, 1, widest));
     contenders.push(step("stock law", engine::<P>(bodies, false, 1, widest)));
     contenders.push(step("foreign law", engine::<P>(bodies, true, 1, widest)));
@@ -98,7 +99,10 @@ fn study<'a, P: Precision>(
     contenders.push(step("stock law in narrower lanes", engine::<P>(bodies, false, 1, narrow)));
     contenders.push(Contender::new("two engines at once", move || {
         let [a, b] = &mut both;
-        pool.join(|| a.steps_of(1, STEP).expect(STAYS), || b.steps_of(1, STEP).expect(STAYS));
+        pool.in_place_scope(|scope| {
+            scope.spawn(|_| a.steps_of(1, STEP).expect(STAYS));
+            b.steps_of(1, STEP).expect(STAYS);
+        });
     }));
     let pairs = (n * (n - 1)) as f64;
     let times = Race::default().run(run, pairs, &mut contenders);
