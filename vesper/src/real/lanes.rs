@@ -85,15 +85,12 @@ impl Isa {
     /// The one to take for so many numbers: those that half of the widest registers hold need no wider ones, whose loads and stores
     /// then cross lines of the cache (measured with sums over three bodies: a tenth of an evaluation).
     #[inline(always)]
-    #[cfg_attr(
-        not(target_arch = "x86_64"),
-        allow(unused_variables, reason = "only one architecture has registers of several widths")
-    )]
     pub(crate) fn for_few<P>(self, count: usize) -> Isa {
-        match self {
+        let few = count * size_of::<P>() <= 32;
+        match (self, few) {
             // `available` gives AVX-512 only beside AVX2.
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 if count * size_of::<P>() <= 32 => Isa::Avx2,
+            (Isa::Avx512, true) => Isa::Avx2,
             _ => self,
         }
     }

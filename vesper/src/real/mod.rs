@@ -12,7 +12,7 @@ mod double_double;
 mod dual;
 #[cfg_attr(
     not(any(target_arch = "x86_64", target_arch = "aarch64")),
-    allow(dead_code, reason = "no lanes of this architecture have estimates")
+    allow(dead_code, unused_macros, unused_imports, reason = "no lanes of this architecture have estimates")
 )]
 mod fused;
 mod lanes;

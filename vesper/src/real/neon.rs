@@ -6,8 +6,8 @@
 
 #![allow(unused_unsafe, reason = "NEON is always there")]
 
-use super::fused::Estimates;
-use super::registers::{estimates, lanes};
+use super::fused::{Estimates, estimates};
+use super::registers::lanes;
 use super::{Lanes, Mask, Real, Vec3};
 use core::arch::aarch64::*;
 use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, Neg, Not, Sub, SubAssign};

@@ -276,35 +276,4 @@ macro_rules! lanes {
         }
     };
 }
-
-/// One lane type that can fuse and estimate.
-macro_rules! estimates {
-    ($name:ident, $scalar:ty, $terms:literal, $add:path, $sub:path, $from:path, |$x:ident| $estimate:expr) => {
-        impl Estimates<$scalar> for $name {
-            type Half = <$name as Lanes<$scalar>>::Narrow;
-            const TERMS: usize = $terms;
-            #[inline(always)]
-            fn fused_add(self, factor: Self, term: Self) -> Self {
-                // SAFETY: as for the operators of the lanes.
-                $name([unsafe { $add(self.0[0], factor.0[0], term.0[0]) }])
-            }
-            #[inline(always)]
-            fn fused_sub(self, factor: Self, term: Self) -> Self {
-                // SAFETY: as above.
-                $name([unsafe { $sub(self.0[0], factor.0[0], term.0[0]) }])
-            }
-            #[inline(always)]
-            fn fused_from(self, factor: Self, term: Self) -> Self {
-                // SAFETY: as above.
-                $name([unsafe { $from(self.0[0], factor.0[0], term.0[0]) }])
-            }
-            #[inline(always)]
-            fn estimate(self) -> Self {
-                let $x = self;
-                // SAFETY: as above.
-                unsafe { $estimate }
-            }
-        }
-    };
-}
-pub(super) use {estimates, lanes};
+pub(super) use lanes;

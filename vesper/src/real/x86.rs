@@ -6,8 +6,8 @@
 
 #![allow(unused_unsafe, reason = "SSE2 is always there, AVX2 and AVX-512 are not")]
 
-use super::fused::Estimates;
-use super::registers::{estimates, lanes};
+use super::fused::{Estimates, estimates};
+use super::registers::lanes;
 use super::{Lanes, Mask, Real, Vec3, WithLanes};
 use core::arch::x86_64::*;
 use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, Neg, Not, Sub, SubAssign};
