@@ -54,9 +54,10 @@ operations! {
     fused_from_f64(a: float64x2_t, b: float64x2_t, c: float64x2_t) -> float64x2_t { vfmsq_f64(c, a, b) }
 
     // The instruction looks at 9 bits of a number and gives 8: by its definition it is within 2^-8.25 of the root. From there the
-    // series of `fused` would need more terms than it has in f64 (its third leaves 2^-28). Newton's step y (3 - x y^2) / 2 gives
-    // 1.5 times the square of the error, 2^-15.9: better than the estimates of 14 bits of AVX-512, so that the same series end
-    // it. A second step would take three operations for the two terms that it makes needless in f64, and for none in f32.
+    // three terms that `fused` has leave 2^-27.7, too much in f64 (in f32 they would do, one operation less than a step and a term,
+    // with two constants more). One step of Newton, y (3 - x y^2) / 2, leaves 1.5 times the square of the error, 2^-15.9: better
+    // than the estimates of 14 bits of AVX-512, so that the same series end it. A second step would take three operations for the
+    // two terms that it makes needless in f64, and for none in f32.
     // The square of the estimate is the factor of its own, not x y: the instruction of the step knows infinity times 0, so that
     // estimates of roots of 0 and of infinity stay infinity and 0.
     /// About `1 / sqrt(x)`.
