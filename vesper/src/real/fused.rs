@@ -30,6 +30,38 @@ pub trait Estimates<P>: Lanes<P> {
     fn estimate(self) -> Self;
 }
 
+/// [`Estimates`] of a lane type of one register: three operations on registers, and one on lanes.
+macro_rules! estimates {
+    ($name:ident, $scalar:ty, $terms:literal, $add:path, $sub:path, $from:path, |$x:ident| $estimate:expr) => {
+        impl Estimates<$scalar> for $name {
+            type Half = <$name as Lanes<$scalar>>::Narrow;
+            const TERMS: usize = $terms;
+            #[inline(always)]
+            fn fused_add(self, factor: Self, term: Self) -> Self {
+                // SAFETY: as for the operators of the lanes.
+                $name([unsafe { $add(self.0[0], factor.0[0], term.0[0]) }])
+            }
+            #[inline(always)]
+            fn fused_sub(self, factor: Self, term: Self) -> Self {
+                // SAFETY: as above.
+                $name([unsafe { $sub(self.0[0], factor.0[0], term.0[0]) }])
+            }
+            #[inline(always)]
+            fn fused_from(self, factor: Self, term: Self) -> Self {
+                // SAFETY: as above.
+                $name([unsafe { $from(self.0[0], factor.0[0], term.0[0]) }])
+            }
+            #[inline(always)]
+            fn estimate(self) -> Self {
+                let $x = self;
+                // SAFETY: as above.
+                unsafe { $estimate }
+            }
+        }
+    };
+}
+pub(super) use estimates;
+
 /// A number of precision `P`, or the product of two that is not computed yet.
 #[derive(Clone, Copy, Debug)]
 pub struct Fused<P, L> {
@@ -207,5 +239,70 @@ impl<P: Scalar, L: Estimates<P>> Lanes<P> for Fused<P, L> {
     #[inline(always)]
     fn sum(self) -> P {
         self.value().sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{DoubleDouble, Isa, WithLanes};
+    use super::*;
+
+    /// The largest errors of `rsqrt`, of `over_root_cubed`, and of a product with a sum and a difference, in parts of the epsilon
+    /// of `P`; and whether there are estimates.
+    struct Errors<P>(PhantomData<P>);
+
+    impl<P: Scalar> WithLanes<P> for Errors<P> {
+        type Output = ([f64; 3], bool);
+        #[inline(always)]
+        fn with<R: Lanes<P>>(self) -> Self::Output {
+            let exact = |number: P| DoubleDouble::from_f64(number.to_f64());
+            let mut most = [0.0; 3];
+            // Powers of a number a little above 1: from 1e-9 to 1e9, every binade many times.
+            for first in -20_000..20_000 {
+                let number =
+                    |lane: usize| P::from_f64(f64::from(first + 977 * lane as i32).mul_add(1e-3, 0.123).exp2());
+                let weight = |lane: usize| P::from_f64(1.0 + 0.37 * (lane + 1) as f64);
+                let (x, w) = (R::from_lanes(number), R::from_lanes(weight));
+                let sums = x * w + w * R::lit(3.0) - x * x;
+                let found = [x.rsqrt(), w.over_root_cubed(x), sums];
+                for lane in 0..R::WIDTH {
+                    let (x, w) = (exact(number(lane)), exact(weight(lane)));
+                    let root = DoubleDouble::lit(1.0) / x.sqrt();
+                    let terms = [x * w, w * DoubleDouble::lit(3.0), x * x];
+                    let scale = terms[0] + terms[1] + terms[2];
+                    let expected = [root, w * root / x, terms[0] + terms[1] - terms[2]];
+                    for (which, scale) in [expected[0], expected[1], scale].into_iter().enumerate() {
+                        let off = (exact(found[which].lane(lane)) - expected[which]) / scale;
+                        most[which] = f64::max(most[which], off.abs().to_f64() / P::EPSILON);
+                    }
+                }
+            }
+            (most, R::ESTIMATES)
+        }
+    }
+
+    fn estimates_keep_their_promise<P: Scalar>() {
+        for isa in Isa::available() {
+            let (written, estimates) = P::with_lanes(isa, Errors(PhantomData));
+            assert!(!estimates);
+            let (found, estimates) = P::with_estimates(isa, Errors(PhantomData));
+            println!("{} {isa:?}: as written {written:.2?}, estimates ({estimates}) {found:.2?}", P::NAME);
+            for ((found, written), roundings) in found.iter().zip(written).zip([2.0, 3.0, 1.0]) {
+                assert!(*found < written + roundings, "{} {isa:?}: {found} epsilon, {written} as written", P::NAME);
+            }
+        }
+    }
+
+    #[test]
+    fn estimates_are_within_the_roundings_that_they_promise() {
+        estimates_keep_their_promise::<f32>();
+        estimates_keep_their_promise::<f64>();
+    }
+
+    #[test]
+    fn the_baseline_of_aarch64_has_estimates_and_others_have_not() {
+        let of = |isa| f64::with_estimates(isa, Errors(PhantomData)).1;
+        assert!(!of(Isa::Scalar));
+        assert_eq!(of(Isa::Baseline), cfg!(target_arch = "aarch64"));
     }
 }

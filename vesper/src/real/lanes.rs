@@ -47,8 +47,8 @@ pub trait WithLanes<P> {
 pub enum Isa {
     /// One row at a time: the reference that the others are compared with.
     Scalar,
-    /// The registers that every processor of the architecture has: SSE2 on x86-64, 128 bits; elsewhere as many numbers
-    /// side by side, for the compiler to put in registers.
+    /// The registers that every processor of the architecture has, 128 bits: SSE2 on x86-64, NEON on aarch64, the one of these that
+    /// has estimates; elsewhere as many numbers side by side, for the compiler to put in registers.
     Baseline,
     /// x86-64 with AVX2 and FMA: 256-bit registers.
     #[cfg(target_arch = "x86_64")]
@@ -86,10 +86,11 @@ impl Isa {
     /// then cross lines of the cache (measured with sums over three bodies: a tenth of an evaluation).
     #[inline(always)]
     pub(crate) fn for_few<P>(self, count: usize) -> Isa {
-        match self {
+        let few = count * size_of::<P>() <= 32;
+        match (self, few) {
             // `available` gives AVX-512 only beside AVX2.
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 if count * size_of::<P>() <= 32 => Isa::Avx2,
+            (Isa::Avx512, true) => Isa::Avx2,
             _ => self,
         }
     }
@@ -137,6 +138,15 @@ mod tests {
         ]
     }
 
+    /// The sum of numbers as [`Lanes::sum`] promises it.
+    fn by_halves<P: Scalar>(mut numbers: Vec<P>) -> P {
+        while numbers.len() > 1 {
+            let upper = numbers.split_off(numbers.len() / 2);
+            numbers.iter_mut().zip(upper).for_each(|(number, other)| *number += other);
+        }
+        numbers[0]
+    }
+
     /// Compares lanes with the scalar, for all pairs of corners.
     struct Compare<P>(String, PhantomData<P>);
 
@@ -154,6 +164,9 @@ mod tests {
                     let b = R::from_lanes(|lane| pair(lane).1);
                     let found = results(a, b);
                     let less = a.less(b).bits();
+                    let sum = by_halves((0..R::WIDTH).map(|lane| pair(lane).0).collect());
+                    let same = a.sum().bits() == sum.bits() || [a.sum(), sum].iter().all(|n| n.to_f64().is_nan());
+                    assert!(same, "{} {}: sum {}, {sum}", P::NAME, self.0, a.sum());
                     for lane in 0..R::WIDTH {
                         let (a, b) = pair(lane);
                         assert_eq!(less >> lane & 1 != 0, a < b, "{} {}: {a} < {b}", P::NAME, self.0);

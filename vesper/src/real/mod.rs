@@ -10,9 +10,15 @@
 
 mod double_double;
 mod dual;
+#[cfg_attr(
+    not(any(target_arch = "x86_64", target_arch = "aarch64")),
+    allow(dead_code, unused_macros, unused_imports, reason = "no lanes of this architecture have estimates")
+)]
 mod fused;
 mod lanes;
-#[cfg(any(test, not(target_arch = "x86_64")))]
+#[cfg(target_arch = "aarch64")]
+mod neon;
+#[cfg(any(test, not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
 mod portable;
 mod registers;
 mod scalar;
@@ -20,7 +26,9 @@ mod vector;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-#[cfg(not(target_arch = "x86_64"))]
+#[cfg(target_arch = "aarch64")]
+use neon as baseline;
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
 use portable as baseline;
 #[cfg(target_arch = "x86_64")]
 use x86 as baseline;

@@ -1,5 +1,7 @@
-//! Lanes without any register named: numbers side by side, as many as fill 128 bits. On aarch64 the compiler finds the
-//! registers for them; on x86-64 it does not, and they have registers of their own there.
+//! Lanes without any register named: numbers side by side, as many as fill 128 bits, for the compiler to put in registers.
+//!
+//! In: nothing. Out: the same two types as in `x86` and `neon`, for architectures without registers of their own here, and for tests
+//! everywhere. Never: an estimate, or a product fused with a sum.
 
 #![allow(unused_unsafe, reason = "numbers are always there")]
 

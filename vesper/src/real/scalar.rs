@@ -1,6 +1,6 @@
 //! `f32` and `f64`: one row at a time, and the precision a whole engine runs in, which may be [`DoubleDouble`], too.
 
-use super::fused::{Estimates, Fused};
+use super::fused::Estimates;
 use super::lanes::{Isa, Lanes, WithLanes};
 use super::{DoubleDouble, Real, Vector};
 
@@ -275,16 +275,23 @@ macro_rules! scalar {
             }
             #[inline(always)]
             fn with_estimates<T: WithLanes<Self>>(isa: Isa, task: T) -> T::Output {
+                // Not imported: not every architecture has lanes that estimate.
                 match isa {
                     // SAFETY: as above.
                     #[cfg(target_arch = "x86_64")]
-                    Isa::Avx2 => unsafe { super::x86::avx2::<$scalar, Fused<$scalar, super::x86::$avx2>, T>(task) },
+                    Isa::Avx2 => unsafe {
+                        super::x86::avx2::<$scalar, super::fused::Fused<$scalar, super::x86::$avx2>, T>(task)
+                    },
                     // SAFETY: as above.
                     #[cfg(target_arch = "x86_64")]
                     Isa::Avx512 => unsafe {
-                        super::x86::avx512::<$scalar, Fused<$scalar, super::x86::$avx512>, T>(task)
+                        super::x86::avx512::<$scalar, super::fused::Fused<$scalar, super::x86::$avx512>, T>(task)
                     },
-                    Isa::Scalar | Isa::Baseline => Self::with_lanes(isa, task),
+                    #[cfg(target_arch = "aarch64")]
+                    Isa::Baseline => task.with::<super::fused::Fused<$scalar, super::neon::$baseline>>(),
+                    #[cfg(not(target_arch = "aarch64"))]
+                    Isa::Baseline => Self::with_lanes(isa, task),
+                    Isa::Scalar => Self::with_lanes(isa, task),
                 }
             }
         }

@@ -6,7 +6,7 @@
 
 #![allow(unused_unsafe, reason = "SSE2 is always there, AVX2 and AVX-512 are not")]
 
-use super::fused::Estimates;
+use super::fused::{Estimates, estimates};
 use super::registers::lanes;
 use super::{Lanes, Mask, Real, Vec3, WithLanes};
 use core::arch::x86_64::*;
@@ -148,36 +148,6 @@ lanes!(
     and a & b, or a | b, not !a
 );
 
-/// One lane type that can fuse and estimate.
-macro_rules! estimates {
-    ($name:ident, $scalar:ty, $terms:literal, $add:path, $sub:path, $from:path, |$x:ident| $estimate:expr) => {
-        impl Estimates<$scalar> for $name {
-            type Half = <$name as Lanes<$scalar>>::Narrow;
-            const TERMS: usize = $terms;
-            #[inline(always)]
-            fn fused_add(self, factor: Self, term: Self) -> Self {
-                // SAFETY: as for the operators of the lanes.
-                $name([unsafe { $add(self.0[0], factor.0[0], term.0[0]) }])
-            }
-            #[inline(always)]
-            fn fused_sub(self, factor: Self, term: Self) -> Self {
-                // SAFETY: as above.
-                $name([unsafe { $sub(self.0[0], factor.0[0], term.0[0]) }])
-            }
-            #[inline(always)]
-            fn fused_from(self, factor: Self, term: Self) -> Self {
-                // SAFETY: as above.
-                $name([unsafe { $from(self.0[0], factor.0[0], term.0[0]) }])
-            }
-            #[inline(always)]
-            fn estimate(self) -> Self {
-                let $x = self;
-                // SAFETY: as above.
-                unsafe { $estimate }
-            }
-        }
-    };
-}
 // The estimates are within 1.5 2^-12 (rsqrtps) and 2^-14 (rsqrt14) of the root, so that a series of so many terms leaves an
 // error below half a rounding.
 estimates!(Avx2F32, f32, 2, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_fnmadd_ps, |x| Avx2F32([_mm256_rsqrt_ps(x.0[0])]));
