@@ -257,7 +257,7 @@ mod tests {
         fn with<R: Lanes<P>>(self) -> Self::Output {
             let exact = |number: P| DoubleDouble::from_f64(number.to_f64());
             let mut most = [0.0; 3];
-            // Powers of a number a little above 1: from 1e-9 to 1e9, every binade many times.
+            // Powers of a number a little above 1: from some 1e-6 to 1e6, every binade many times.
             for first in -20_000..20_000 {
                 let number =
                     |lane: usize| P::from_f64(f64::from(first + 977 * lane as i32).mul_add(1e-3, 0.123).exp2());
