@@ -133,11 +133,11 @@ pub(super) fn run<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -
         if super::neighbours::follow(pass, context) {
             return super::neighbours::run(pass, context);
         }
-        match pass.once.take() {
-            Some(mut once) => {
-                meet(pass, &mut once, context);
-                pass.once = Some(once);
-            }
+        if let Some(once) = &mut pass.once {
+            once.begin();
+        }
+        match &pass.once {
+            Some(once) => meet(pass, once, context),
             // SAFETY: the slots have a number for every row; parts sum for different rows.
             None => unsafe {
                 in_parts(context, pass.threads, pass.rows, PAIR_GRAIN, |rows| {
@@ -146,6 +146,9 @@ pub(super) fn run<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -
             },
         }
     });
+    if let Some(once) = &mut pass.once {
+        once.turns.end();
+    }
     context.watch(pass.law, || {
         let first = first_result(context, pass.law);
         pass.slots[first..].iter().map(|start| (*start, 1, pass.rows))
@@ -170,10 +173,9 @@ fn energy<P: Scalar>(pass: &mut PairPass<P>, context: &Context<'_, P>) -> f64 {
 }
 
 /// Each pair is looked at once.
-fn meet<P: Scalar>(pass: &PairPass<P>, once: &mut Once<P>, context: &Context<'_, P>) {
-    once.begin();
-    let (once, isa, kernel) = (&mut *once, context.isa, &pass.kernel);
-    let Once { tally, scratch, rows, turns, .. } = &*once;
+fn meet<P: Scalar>(pass: &PairPass<P>, once: &Once<P>, context: &Context<'_, P>) {
+    let (isa, kernel) = (context.isa, &pass.kernel);
+    let Once { tally, scratch, rows, turns, .. } = once;
     let threads = pass.threads.min(turns.at_once());
     let call = PairCall { others: 0..*rows, ..pass.call(0..*rows) };
     let came = AtomicUsize::new(0);
@@ -201,5 +203,4 @@ fn meet<P: Scalar>(pass: &PairPass<P>, once: &mut Once<P>, context: &Context<'_,
     };
     // SAFETY: in turns, threads touch the sums of different blocks, and what a law reads nobody writes.
     unsafe { together(context, threads, work) };
-    once.turns.end();
 }
