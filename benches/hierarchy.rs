@@ -43,14 +43,11 @@ impl Bodies {
         let (mut mass, mut position): (Vec<f64>, Vec<[f64; 3]>) =
             attractors.map(|(mass, at)| (*mass, at.map(|along| along * AU))).unzip();
         while position.len() < count {
-            let towards = random.vector(-1.0, 1.0);
-            let length = towards.iter().map(|x| x * x).sum::<f64>().sqrt();
-            if (0.1..1.0).contains(&length) {
-                // As many at each order of distance.
-                let distance = AU * random.between(0.3_f64.ln(), 40.0_f64.ln()).exp();
-                position.push(towards.map(|x| x / length * distance));
-                mass.push(1.0);
-            }
+            let towards = random.direction();
+            // As many at each order of distance.
+            let distance = AU * random.between(0.3_f64.ln(), 40.0_f64.ln()).exp();
+            position.push(towards.map(|x| x * distance));
+            mass.push(1.0);
         }
         Bodies { position, mass }
     }

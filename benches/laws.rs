@@ -25,9 +25,9 @@ fn shape(law: &StockLaw) -> Shape {
 /// Rows of the crowds for laws of a shape.
 fn sizes(shape: Shape) -> [usize; 2] {
     match shape {
-        Shape::Row => [1000, 1_000_000],
-        Shape::Pair => [1000, 10_000],
-        Shape::Link => [1000, 300_000],
+        Shape::Row => [1000, 300_000],
+        Shape::Pair => [1000, 4000],
+        Shape::Link => [1000, 100_000],
         Shape::Column => [10, 1000],
     }
 }
@@ -82,7 +82,7 @@ fn difference(law: &StockLaw, found: &[Vec<f64>], exact: &[Vec<f64>]) -> f64 {
 
 /// One law on one crowd: on one thread and on two, in both precisions.
 fn study(law: &StockLaw, rows: usize, run: Run, summary: &mut Summary) {
-    let exact = given(law, &mut engine::<DoubleDouble>(law, rows, 1));
+    let exact = given(law, &mut engine::<DoubleDouble>(law, rows, 2));
     let (mut contenders, mut cases) = (Vec::new(), Vec::new());
     for threads in [1, 2] {
         for precision in [f32::NAME, f64::NAME] {
@@ -96,7 +96,7 @@ fn study(law: &StockLaw, rows: usize, run: Run, summary: &mut Summary) {
         }
     }
     let (units, unit) = units(shape(law), rows);
-    let race = Race { rounds: 31, ..Race::default() };
+    let race = Race { rounds: 21, ..Race::default() };
     let times = race.run(run, units as f64, &mut contenders);
     let named = |time: &Time| (Time { name: "one thread", ..*time }, None);
     let ones: Vec<_> = times[..2].iter().map(named).collect();
