@@ -16,8 +16,8 @@ use core::ops::Range;
 
 /// Rows of a strip within a block: those of one are each given what the others do, twice for every pair.
 const STRIP: usize = 64;
-/// Rows from which on looking at each pair once is faster.
-pub(crate) const PAYS: usize = 512;
+/// Rows from which on looking at each pair once is faster; for Miri, which is slow, as many as make two blocks.
+pub(crate) const PAYS: usize = if cfg!(miri) { SMALLEST + STRIP } else { 512 };
 /// Rows of the blocks that meet: of more, those of a meeting would not stay in the first cache.
 const LARGEST: usize = 512;
 /// The fewest: of fewer, most of a meeting would be its beginning and its end.
