@@ -1,7 +1,7 @@
 //! Blocks that meet two by two, on any number of threads. In: who meets whom, in order. Out: every meeting, once. Never: a block in
 //! two meetings at once, or one that meets others in another order than on one thread; what happens when they meet.
 
-use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use core::sync::atomic::{AtomicUsize, Ordering};
 
 /// Meetings, and how far they have come.
 #[derive(Debug)]
@@ -12,7 +12,7 @@ pub(super) struct Turns {
     /// The first meeting that nobody has taken.
     next: AtomicUsize,
     /// Whether meetings have begun of which not all have ended.
-    open: AtomicBool,
+    open: bool,
 }
 
 /// Two blocks, or one alone, meet when so many meetings of each have ended.
@@ -35,7 +35,7 @@ impl Turns {
         });
         let meetings = in_order.collect();
         let ended = (0..blocks).map(|_| AtomicUsize::new(0)).collect();
-        Turns { meetings, ended, next: AtomicUsize::new(0), open: AtomicBool::new(false) }
+        Turns { meetings, ended, next: AtomicUsize::new(0), open: false }
     }
 
     /// How many can be held at once, after the first round of blocks alone.
@@ -47,12 +47,12 @@ impl Turns {
     pub(super) fn begin(&mut self) -> bool {
         self.ended.iter_mut().for_each(|ended| *ended.get_mut() = 0);
         *self.next.get_mut() = 0;
-        !core::mem::replace(self.open.get_mut(), true)
+        !core::mem::replace(&mut self.open, true)
     }
 
     /// All have been held, by all threads that [`Turns::hold`] them.
     pub(super) fn end(&mut self) {
-        *self.open.get_mut() = false;
+        self.open = false;
     }
 
     /// Takes meetings in their order, until none is left, and holds them: `meet` is told the blocks, and then `leave` each block that
