@@ -101,6 +101,13 @@ fn study(words: &str, asked: &Study, run: Run, summary: &mut Summary) {
         beside_error.push(Some(error));
         contenders.push(contender);
     }
+    if n >= 1_000_000 {
+        // What a tenth of the bodies takes at the same time, not for each body: linear would be a tenth.
+        let bodies = Cloud::new(asked.shape, n / 10, 0.0);
+        let mut far = engine::<f32>(&bodies, Some(1.2e-3), 1);
+        beside_error.push(Some(bodies.error_of_step(SOFTENING, &mut far)));
+        contenders.push(Contender::new("a tenth of the bodies", move || far.steps_of(1, STEP).expect(STAYS)));
+    }
     let times = Race { rounds: 7, ..Race::default() }.run(run, n as f64, &mut contenders);
     let (ours, peers) = times.split_at(2 * asked.errors.len());
     let peers: Vec<_> = peers.iter().copied().zip(beside_error).collect();

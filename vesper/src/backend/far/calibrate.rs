@@ -14,12 +14,12 @@ use std::sync::{Mutex, PoisonError};
 
 /// Rows that errors are measured for, fewest and most: some rows stand out, where their fields nearly cancel, and with 128 of them the
 /// root of the mean square may be off by a factor of 1.5.
-const SAMPLE: [usize; 2] = [128, 512];
+const SAMPLE: [usize; 2] = [384, 512];
 /// Pairs of the sample and all rows, if that makes it neither smaller nor larger.
 const PAIRS: usize = 20_000_000;
 /// The error aimed at, in parts of the requested one, and how far below it may be.
 const AIM: f64 = 0.75;
-const ENOUGH: f64 = 0.55;
+const ENOUGH: f64 = 0.62;
 /// Measurements at most.
 const TRIALS: usize = 8;
 /// The error goes about with this power of what is allowed.
@@ -44,7 +44,7 @@ impl<P: Scalar> Far<P> {
         if strength.len() < 2 {
             return nothing;
         }
-        let Some(frame) = self.prepare(places, strength, softening_squared) else {
+        let Some(frame) = self.prepare(places, strength, softening_squared, threads) else {
             return Accuracy { measured: f64::NAN, largest: f64::NAN };
         };
         let count = strength.len();

@@ -7,6 +7,7 @@
 //! and in places of 10^20 m the square of a distance overflows: so the whole scene is given an extent of 2^12, and the largest
 //! strength is brought to 1. Powers of two are applied in several factors, since one alone may be out of range.
 
+use super::order::Box3;
 use crate::real::Scalar;
 
 /// The power of two that the extent of the scene is brought to.
@@ -40,6 +41,16 @@ pub(super) struct Frame<P> {
     pub(super) field: Power<P>,
     /// Back from the frame's potential to the scene's.
     pub(super) potential: Power<P>,
+    /// The box of all places, in the scene.
+    scene: Box3<P>,
+}
+
+impl<P: Scalar> Frame<P> {
+    /// The box of all places, in the frame.
+    pub(super) fn around(&self) -> Box3<P> {
+        let own = |place| self.length.times(place);
+        Box3 { low: self.scene.low.map(own), high: self.scene.high.map(own) }
+    }
 }
 
 /// The largest integer power of two that is no larger, about; 0 for what has none.
@@ -53,7 +64,8 @@ impl<P: Scalar> Frame<P> {
         // Infinities and NaN times 0 are NaN, and stay it in a sum.
         let mut check = softening_squared * P::from_f64(0.0);
         let (mut extent, mut largest) = (0f64, 0f64);
-        for axis in places {
+        let mut scene = Box3::at([P::from_f64(0.0); 3]);
+        for (k, axis) in places.into_iter().enumerate() {
             let Some(&first) = axis.first() else { continue };
             let (mut low, mut high) = (first, first);
             for &place in axis {
@@ -61,6 +73,7 @@ impl<P: Scalar> Frame<P> {
                 low = low.min(place);
                 high = high.max(place);
             }
+            (scene.low[k], scene.high[k]) = (low, high);
             // Half of each: the difference of two finite numbers may be infinite.
             extent = extent.max(high.to_f64() * 0.5 - low.to_f64() * 0.5);
             largest = largest.max(high.to_f64().abs()).max(low.to_f64().abs());
@@ -84,6 +97,7 @@ impl<P: Scalar> Frame<P> {
             square: Power::of(2 * length),
             field: Power::of(2 * length - source),
             potential: Power::of(length - source),
+            scene,
         })
     }
 }

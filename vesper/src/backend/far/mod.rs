@@ -36,7 +36,7 @@ use crate::real::{Isa, Scalar};
 use frame::Frame;
 use moments::Moments;
 use rows::{GROUP, Groups};
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 use sum::{Call, Out};
 use terms::{Fifth, Fourth, Third};
 use tree::Tree;
@@ -47,15 +47,23 @@ pub(crate) use accuracy::{Accuracy, Effort, pays};
 pub(crate) trait Parts {
     /// Calls the work for every number below `count`, once each, in any order, and comes back when all is done.
     fn run(&self, count: usize, work: &(dyn Fn(usize) + Sync));
+
+    /// Calls the work with every one of these, once each, in any order.
+    fn each<T: Send>(&self, parts: impl Iterator<Item = T>, work: impl Fn(usize, &mut T) + Sync) {
+        // Each part is locked once: nobody waits.
+        let parts: Vec<Mutex<T>> = parts.map(Mutex::new).collect();
+        self.run(parts.len(), &|part| {
+            // Poisoned only where another part panicked, which ends the evaluation anyway.
+            work(part, &mut parts[part].lock().unwrap_or_else(PoisonError::into_inner));
+        });
+    }
 }
 
 /// One part after the other.
-#[cfg(test)]
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Serial;
+pub(crate) struct OneThread;
 
-#[cfg(test)]
-impl Parts for Serial {
+impl Parts for OneThread {
     fn run(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
         (0..count).for_each(work);
     }
@@ -67,15 +75,20 @@ pub(crate) struct Far<P> {
     /// Requested: root of the mean square of the field's relative error.
     error: f64,
     effort: Effort,
-    /// Places and strengths in the units of the frame, in the order of the caller.
-    places: [Vec<P>; 3],
-    strength: Vec<P>,
+    /// In the units of the frame, in the order of the caller.
+    sources: Vec<Source<P>>,
     tree: Tree<P>,
     groups: Groups<P>,
     moments: Moments<P>,
     /// Results in the order of the tree: field, potential.
     sums: [Vec<P>; 4],
 }
+
+/// A row in the units of the frame: its place and its strength. One line of a cache holds it, in whatever order rows are taken.
+type Source<P> = [P; 4];
+
+/// Rows that one part of the work takes where each of them takes little.
+const SHARE: usize = 1 << 13;
 
 /// Groups that one part of the work sums for: as many as the widest lanes hold.
 const PART: usize = crate::real::MAX_WIDTH;
@@ -86,8 +99,7 @@ impl<P: Scalar> Far<P> {
         Far {
             error,
             effort: Effort::first(error),
-            places: Default::default(),
-            strength: Vec::new(),
+            sources: Vec::new(),
             tree: Tree::default(),
             groups: Groups::default(),
             moments: Moments::default(),
@@ -123,7 +135,7 @@ impl<P: Scalar> Far<P> {
         if strength.is_empty() {
             return;
         }
-        let Some(frame) = self.prepare(places, strength, softening_squared) else {
+        let Some(frame) = self.prepare(places, strength, softening_squared, threads) else {
             // A sum over all pairs has NaN in every row, too.
             out.into_iter().for_each(|out| out.fill(P::from_f64(f64::NAN)));
             return;
@@ -149,7 +161,7 @@ impl<P: Scalar> Far<P> {
         if strength.is_empty() {
             return;
         }
-        let Some(frame) = self.prepare(places, strength, softening_squared) else {
+        let Some(frame) = self.prepare(places, strength, softening_squared, threads) else {
             out.fill(P::from_f64(f64::NAN));
             return;
         };
@@ -160,25 +172,34 @@ impl<P: Scalar> Far<P> {
     }
 
     /// Takes a scene into the frame and makes the tree; none where a number is not finite.
-    fn prepare(&mut self, places: [&[P]; 3], strength: &[P], softening_squared: P) -> Option<Frame<P>> {
+    fn prepare(
+        &mut self,
+        places: [&[P]; 3],
+        strength: &[P],
+        softening_squared: P,
+        threads: &impl Parts,
+    ) -> Option<Frame<P>> {
         let frame = Frame::new(places, strength, softening_squared)?;
-        for (own, from) in self.places.iter_mut().zip(places) {
-            own.clear();
-            own.extend(from.iter().map(|&place| frame.length.times(place)));
-        }
-        self.strength.clear();
-        self.strength.extend(strength.iter().map(|&strength| frame.strength.times(strength)));
-        self.tree.build(&self.places, &self.strength);
-        self.groups.find(&self.tree.rows);
-        self.find_moments();
+        self.sources.resize(strength.len(), [P::from_f64(0.0); 4]);
+        let [xs, ys, zs] = places.map(|axis| axis.chunks(SHARE));
+        let columns = xs.zip(ys).zip(zs.zip(strength.chunks(SHARE)));
+        threads.each(self.sources.chunks_mut(SHARE).zip(columns), |_, (to, ((xs, ys), (zs, strengths)))| {
+            for ((to, (x, y)), (z, strength)) in to.iter_mut().zip(xs.iter().zip(*ys)).zip(zs.iter().zip(*strengths)) {
+                let [x, y, z] = [x, y, z].map(|&place| frame.length.times(place));
+                *to = [x, y, z, frame.strength.times(*strength)];
+            }
+        });
+        self.tree.build(&self.sources, frame.around(), threads);
+        self.groups.find(&self.tree.rows, threads);
+        self.find_moments(threads);
         Some(frame)
     }
 
-    fn find_moments(&mut self) {
+    fn find_moments(&mut self, threads: &impl Parts) {
         match self.effort.degree {
-            3 => self.moments.find::<Third>(&self.tree),
-            4 => self.moments.find::<Fourth>(&self.tree),
-            _ => self.moments.find::<Fifth>(&self.tree),
+            3 => self.moments.find::<Third>(&self.tree, threads),
+            4 => self.moments.find::<Fourth>(&self.tree, threads),
+            _ => self.moments.find::<Fifth>(&self.tree, threads),
         }
     }
 
@@ -208,23 +229,16 @@ impl<P: Scalar> Far<P> {
         let call = self.call(frame, softening_squared);
         let [x, y, z, w] = &mut sums;
         let size = PART * GROUP;
-        // Each part locks its own piece, which nobody else asks for.
-        let parts: Vec<_> = (x.chunks_mut(size).zip(y.chunks_mut(size)))
-            .zip(z.chunks_mut(size).zip(w.chunks_mut(size)))
-            .map(|((x, y), (z, w))| Mutex::new([x, y, z, w]))
-            .collect();
-        threads.run(parts.len(), &|part| {
-            // Poisoned only where another part panicked, which ends the evaluation anyway.
-            let mut out: std::sync::MutexGuard<'_, Out<'_, P>> =
-                parts[part].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let parts = x.chunks_mut(size).zip(y.chunks_mut(size)).zip(z.chunks_mut(size).zip(w.chunks_mut(size)));
+        let parts = parts.map(|((x, y), (z, w))| [x, y, z, w]);
+        threads.each(parts, |part, out: &mut Out<'_, P>| {
             let count = out[0].len() / GROUP;
             let mut list = [0; PART];
             for (group, at) in list.iter_mut().zip(part * PART..) {
                 *group = at as u32;
             }
-            call.sum::<POTENTIAL>(self.effort.degree, isa, &list[..count], &mut out);
+            call.sum::<POTENTIAL>(self.effort.degree, isa, &list[..count], out);
         });
-        drop(parts);
         self.sums = sums;
     }
 }

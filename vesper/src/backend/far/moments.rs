@@ -6,8 +6,9 @@
 //!
 //! Strengths have any sign, so the dipole about any centre counts and is kept.
 
+use super::Parts;
 use super::terms::{BY_FACTORIALS, DEGREES, Order, PRODUCT, STEPS, TERMS, count, index};
-use super::tree::Tree;
+use super::tree::{CELLS, Cell, Tree};
 use crate::real::Scalar;
 
 /// Combinations for sums over rows: see [`near_moments`].
@@ -22,48 +23,66 @@ pub(super) struct Moments<P> {
 }
 
 impl<P: Scalar> Moments<P> {
-    pub(super) fn find<O: Order>(&mut self, tree: &Tree<P>) {
+    pub(super) fn find<O: Order>(&mut self, tree: &Tree<P>, threads: &impl Parts) {
         let terms = count(O::MOMENTS);
         let nothing = P::from_f64(0.0);
         self.all.clear();
         self.all.resize(terms * tree.cells.len(), nothing);
         self.near.clear();
         self.near.resize(tree.cells.len(), [nothing; NEAR]);
-        for at in (0..tree.cells.len()).rev() {
-            let cell = &tree.cells[at];
-            let (before, after) = self.all.split_at_mut(terms * (at + 1));
-            let own = &mut before[terms * at..];
-            if cell.next as usize == at + 1 {
-                for row in cell.start as usize..cell.end as usize {
-                    let place = tree.rows.place(row);
-                    let powers = powers::<P, O>([0, 1, 2].map(|k| cell.centre[k] - place[k]));
-                    for (own, power) in own.iter_mut().zip(powers) {
-                        *own += power * tree.rows.strength[row];
-                    }
-                }
-                for (k, own) in own.iter_mut().enumerate() {
-                    *own = *own * P::from_f64(BY_FACTORIALS[k]);
-                }
-            } else {
-                let mut inner = at + 1;
-                while inner < cell.next as usize {
-                    let centre = tree.cells[inner].centre;
-                    let mut powers = powers::<P, O>([0, 1, 2].map(|k| cell.centre[k] - centre[k]));
-                    for (k, power) in powers[..terms].iter_mut().enumerate() {
-                        *power = *power * P::from_f64(BY_FACTORIALS[k]);
-                    }
-                    let from = &after[terms * (inner - at - 1)..][..terms];
-                    for (m, &power) in powers[..terms].iter().enumerate() {
-                        // The binomial theorem, whose factors are those of the factorials.
-                        for (n, &from) in from[..count(O::MOMENTS - DEGREES[m])].iter().enumerate() {
-                            own[usize::from(PRODUCT[m][n])] += power * from;
-                        }
-                    }
-                    inner = tree.cells[inner].next as usize;
+        let parts = self.all.chunks_mut(terms * CELLS).zip(self.near.chunks_mut(CELLS));
+        threads.each(parts, |part, (all, near)| {
+            for ((at, own), near) in (part * CELLS..).zip(all.chunks_mut(terms)).zip(near.iter_mut()) {
+                if tree.cells[at].is_leaf(at) {
+                    of_rows::<P, O>(tree, &tree.cells[at], own);
+                    *near = near_moments(own);
                 }
             }
-            self.near[at] = near_moments(own);
+        });
+        for at in (0..tree.cells.len()).rev() {
+            if !tree.cells[at].is_leaf(at) {
+                let (before, after) = self.all.split_at_mut(terms * (at + 1));
+                let own = &mut before[terms * at..];
+                of_cells::<P, O>(tree, at, own, after);
+                self.near[at] = near_moments(own);
+            }
         }
+    }
+}
+
+/// The moments of a cell of rows.
+fn of_rows<P: Scalar, O: Order>(tree: &Tree<P>, cell: &Cell<P>, own: &mut [P]) {
+    for row in cell.start as usize..cell.end as usize {
+        let place = tree.rows.place(row);
+        let powers = powers::<P, O>([0, 1, 2].map(|k| cell.centre[k] - place[k]));
+        for (own, power) in own.iter_mut().zip(powers) {
+            *own += power * tree.rows.strength[row];
+        }
+    }
+    for (k, own) in own.iter_mut().enumerate() {
+        *own = *own * P::from_f64(BY_FACTORIALS[k]);
+    }
+}
+
+/// The moments of a cell of cells, from theirs, which stand after its own.
+fn of_cells<P: Scalar, O: Order>(tree: &Tree<P>, at: usize, own: &mut [P], after: &[P]) {
+    let terms = own.len();
+    let cell = &tree.cells[at];
+    let mut inner = at + 1;
+    while inner < cell.next as usize {
+        let centre = tree.cells[inner].centre;
+        let mut powers = powers::<P, O>([0, 1, 2].map(|k| cell.centre[k] - centre[k]));
+        for (k, power) in powers[..terms].iter_mut().enumerate() {
+            *power = *power * P::from_f64(BY_FACTORIALS[k]);
+        }
+        let from = &after[terms * (inner - at - 1)..][..terms];
+        for (m, &power) in powers[..terms].iter().enumerate() {
+            // The binomial theorem, whose factors are those of the factorials.
+            for (n, &from) in from[..count(O::MOMENTS - DEGREES[m])].iter().enumerate() {
+                own[usize::from(PRODUCT[m][n])] += power * from;
+            }
+        }
+        inner = tree.cells[inner].next as usize;
     }
 }
 

@@ -3,8 +3,9 @@
 //! In: places, and the box that they lie in. Out: the rows sorted along Hilbert's curve: the rows of every cell of an octree are one
 //! range, as with the bits of the coordinates in turn (Warren and Salmon 1993, Supercomputing, p. 12), and besides any rows that follow
 //! each other lie together, so that groups of them are small. Never: a place outside the range of its array, whatever the coordinates
-//! are; a result that depends on anything but the places.
+//! are; a result that depends on anything but the places, such as the order in which rows come.
 
+use super::{Parts, SHARE, Source};
 use crate::real::Scalar;
 
 /// Bits of a key for each coordinate: levels of the octree that one key tells apart.
@@ -118,58 +119,133 @@ impl<P: Scalar> Box3<P> {
 }
 
 /// The box of the rows of a range.
-pub(super) fn box_of<P: Scalar>(places: &[Vec<P>; 3], rows: &[Keyed]) -> Box3<P> {
-    let place = |keyed: &Keyed| [0, 1, 2].map(|k| places[k][row(*keyed)]);
-    let mut found = Box3::at(place(&rows[0]));
+pub(super) fn box_of<P: Scalar>(sources: &[Source<P>], rows: &[Keyed]) -> Box3<P> {
+    let place = |keyed: &Keyed| {
+        let [x, y, z, _] = sources[row(*keyed)];
+        Box3::at([x, y, z])
+    };
+    let mut found = place(&rows[0]);
     for keyed in rows {
-        found.hold(Box3::at(place(keyed)));
+        found.hold(place(keyed));
     }
     found
 }
 
-/// Gives the rows of a range the keys of a box, and sorts them.
-///
-/// Rows of the same key stay in the order they are in.
-pub(super) fn sort<P: Scalar>(places: &[Vec<P>; 3], within: Box3<P>, rows: &mut [Keyed], scratch: &mut Vec<Keyed>) {
-    let low = within.low.map(Scalar::to_f64);
-    let extents = [0, 1, 2].map(|k| within.high[k].to_f64() - low[k]);
-    // One scale for all axes, so that cells are cubes: their expansions then converge alike in all directions.
-    let scale = DIGITS as f64 / extents[0].max(extents[1]).max(extents[2]);
-    // A conversion to whole numbers takes NaN to 0 and large numbers to the largest.
-    let digit = |k: usize, at: usize| (((places[k][at].to_f64() - low[k]) * scale) as u32).min(DIGITS as u32 - 1);
-    for keyed in rows.iter_mut() {
-        let at = row(*keyed);
-        let key = spread(digit(0, at)) << 2 | spread(digit(1, at)) << 1 | spread(digit(2, at));
-        *keyed = u64::from(along_curve(key)) << 32 | at as u64;
-    }
+/// Gives the rows of a range the keys of a box, and sorts them; rows of the same key by their origin.
+pub(super) fn sort<P: Scalar>(
+    sources: &[Source<P>],
+    origin: &[u32],
+    within: Box3<P>,
+    rows: &mut [Keyed],
+    scratch: &mut Vec<Keyed>,
+    threads: &impl Parts,
+) {
+    let curve = Curve::within(within);
+    let give = |rows: &mut [Keyed]| {
+        for keyed in rows {
+            *keyed = curve.keyed(sources, row(*keyed));
+        }
+    };
     if rows.len() < MANY {
-        rows.sort_by_key(|keyed| key(*keyed));
-        return;
+        give(rows);
+        rows.sort_unstable();
+        return by_origin(rows, origin);
     }
+    threads.each(rows.chunks_mut(SHARE), |_, rows| give(rows));
+    // By the highest digit first. After it the rows of one value are few, near each other, and no concern of other threads; and where
+    // the rows come in nearly this order, as those of the tree before do, its writes are in order as well.
     scratch.clear();
     scratch.resize(rows.len(), 0);
-    by_digit(rows, scratch, 0);
-    by_digit(scratch, rows, 1);
-    by_digit(rows, scratch, 2);
-    rows.copy_from_slice(scratch);
+    let ends = by_digit(rows, scratch, 2);
+    threads.each(shares(&ends, rows, scratch).into_iter(), |_, (ends, rows, from)| {
+        let (mut start, first) = (0, ends[0] as usize);
+        for end in ends[1..].iter().map(|&end| end as usize - first) {
+            let (rows, from) = (&mut rows[start..end], &mut from[start..end]);
+            start = end;
+            if from.len() < MANY {
+                from.sort_unstable();
+                rows.copy_from_slice(from);
+            } else {
+                by_digit(from, rows, 0);
+                by_digit(rows, from, 1);
+                rows.copy_from_slice(from);
+            }
+            by_origin(rows, origin);
+        }
+    });
 }
 
-/// One pass of a sort by digits, the lowest first.
-fn by_digit(from: &[Keyed], to: &mut [Keyed], number: u32) {
+/// What one thread sorts at a time: where each value's rows end, the first number of them being where the first one's begin; where to;
+/// and where from.
+type Share<'a> = (&'a [u32], &'a mut [Keyed], &'a mut [Keyed]);
+
+/// Divides the rows between values of the highest digit.
+fn shares<'a>(ends: &'a [u32; DIGITS + 1], mut rows: &'a mut [Keyed], mut from: &'a mut [Keyed]) -> Vec<Share<'a>> {
+    let mut shares = Vec::new();
+    let mut first = 0;
+    for last in 1..=DIGITS {
+        let count = (ends[last] - ends[first]) as usize;
+        if count >= SHARE || last == DIGITS {
+            let (own, rest) = core::mem::take(&mut rows).split_at_mut(count);
+            let (own_from, rest_from) = core::mem::take(&mut from).split_at_mut(count);
+            shares.push((&ends[first..=last], own, own_from));
+            (rows, from, first) = (rest, rest_from, last);
+        }
+    }
+    shares
+}
+
+/// Has rows of the same key stand by their origin, whatever order they came in.
+fn by_origin(rows: &mut [Keyed], origin: &[u32]) {
+    let of = |keyed: &Keyed| origin[row(*keyed)];
+    for same in rows.chunk_by_mut(|a, b| key(*a) == key(*b)) {
+        if !same.is_sorted_by_key(of) {
+            same.sort_unstable_by_key(of);
+        }
+    }
+}
+
+/// Hilbert's curve through a box.
+struct Curve {
+    low: [f64; 3],
+    /// One for all axes, so that cells are cubes: their expansions then converge alike in all directions.
+    scale: f64,
+}
+
+impl Curve {
+    fn within<P: Scalar>(within: Box3<P>) -> Self {
+        let low = within.low.map(Scalar::to_f64);
+        let extents = [0, 1, 2].map(|k| within.high[k].to_f64() - low[k]);
+        Curve { low, scale: DIGITS as f64 / extents[0].max(extents[1]).max(extents[2]) }
+    }
+
+    #[inline(always)]
+    fn keyed<P: Scalar>(&self, sources: &[Source<P>], at: usize) -> Keyed {
+        let source = &sources[at];
+        // A conversion to whole numbers takes NaN to 0 and large numbers to the largest.
+        let digit = |k: usize| (((source[k].to_f64() - self.low[k]) * self.scale) as u32).min(DIGITS as u32 - 1);
+        let key = spread(digit(0)) << 2 | spread(digit(1)) << 1 | spread(digit(2));
+        u64::from(along_curve(key)) << 32 | at as u64
+    }
+}
+
+/// One pass of a sort by digits; where the rows of each value end, after where the first ones begin.
+fn by_digit(from: &[Keyed], to: &mut [Keyed], number: u32) -> [u32; DIGITS + 1] {
     let digit = |keyed: Keyed| (key(keyed) >> (number * LEVELS)) as usize % DIGITS;
-    let mut places = [0u32; DIGITS];
+    let mut places = [0; DIGITS + 1];
     for &keyed in from {
-        places[digit(keyed)] += 1;
+        places[digit(keyed) + 1] += 1;
     }
     let mut before = 0;
-    for place in &mut places {
+    for place in &mut places[1..] {
         before += core::mem::replace(place, before);
     }
     for &keyed in from {
-        let place = &mut places[digit(keyed)];
+        let place = &mut places[digit(keyed) + 1];
         to[*place as usize] = keyed;
         *place += 1;
     }
+    places
 }
 
 #[cfg(test)]

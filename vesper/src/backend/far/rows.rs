@@ -5,6 +5,7 @@
 
 use super::order::{self, Box3, Keyed};
 use super::tree::distance_squared;
+use super::{Parts, SHARE, Source};
 use crate::real::{Lanes, MAX_WIDTH, Scalar};
 use core::ops::Range;
 
@@ -18,6 +19,7 @@ pub(super) struct Rows<P> {
     pub(super) strength: Vec<P>,
     /// Which row of the caller each one is.
     pub(super) origin: Vec<u32>,
+    origin_before: Vec<u32>,
 }
 
 /// The numbers of one group: the middle of its box, half the box, the radius of its sphere.
@@ -57,20 +59,35 @@ impl<P: Scalar> Rows<P> {
         self.origin.len()
     }
 
-    /// Takes the rows in order.
-    pub(super) fn take(&mut self, places: &[Vec<P>; 3], strength: &[P], keyed: &[Keyed]) {
-        let padded = keyed.len().next_multiple_of(GROUP);
-        for (own, from) in self.places.iter_mut().zip(places) {
-            own.clear();
-            own.extend(keyed.iter().map(|keyed| from[order::row(*keyed)]));
-            // A row of padding stands where the last one does, so that it has no share in the size of a group.
-            own.resize(padded, own[keyed.len() - 1]);
+    /// Takes the rows in another order than the one before: `before` are those of that order, `keyed` says which one each is.
+    pub(super) fn take(&mut self, before: &[Source<P>], keyed: &[Keyed], threads: &impl Parts) {
+        let count = keyed.len();
+        let padded = count.next_multiple_of(GROUP);
+        core::mem::swap(&mut self.origin, &mut self.origin_before);
+        self.origin.resize(count, 0);
+        for column in self.places.iter_mut().chain([&mut self.strength]) {
+            // What it has from the tree before is written over.
+            column.resize(padded, P::from_f64(0.0));
         }
-        self.strength.clear();
-        self.strength.extend(keyed.iter().map(|keyed| strength[order::row(*keyed)]));
-        self.strength.resize(padded, P::from_f64(0.0));
-        self.origin.clear();
-        self.origin.extend(keyed.iter().map(|keyed| order::row(*keyed) as u32));
+        let [xs, ys, zs] = self.places.each_mut().map(|column| column.chunks_mut(SHARE));
+        let parts = xs.zip(ys).zip(zs.zip(self.strength.chunks_mut(SHARE)));
+        let parts = parts.zip(self.origin.chunks_mut(SHARE).zip(keyed.chunks(SHARE)));
+        let origin_before = &self.origin_before;
+        threads.each(parts, |_, (((xs, ys), (zs, strengths)), (origins, keyed))| {
+            let columns = xs.iter_mut().zip(ys.iter_mut()).zip(zs.iter_mut().zip(strengths.iter_mut()));
+            for ((columns, origin), keyed) in columns.zip(origins.iter_mut()).zip(*keyed) {
+                let at = order::row(*keyed);
+                let ((x, y), (z, strength)) = columns;
+                [*x, *y, *z, *strength] = before[at];
+                *origin = origin_before[at];
+            }
+        });
+        for column in &mut self.places {
+            // A row of padding stands where the last one does, so that it has no share in the size of a group.
+            let last = column[count - 1];
+            column[count..].fill(last);
+        }
+        self.strength[count..].fill(P::from_f64(0.0));
     }
 
     /// Adds a row that stands for several at the same place, and says where.
@@ -89,32 +106,44 @@ impl<P: Scalar> Rows<P> {
 }
 
 impl<P: Scalar> Groups<P> {
-    pub(super) fn find(&mut self, rows: &Rows<P>) {
+    pub(super) fn find(&mut self, rows: &Rows<P>, threads: &impl Parts) {
         self.count = rows.count().div_ceil(GROUP);
         for column in &mut self.numbers {
-            column.clear();
+            column.resize(self.count + MAX_WIDTH, P::from_f64(0.0));
         }
-        for group in 0..self.count {
-            let range = group * GROUP..(group + 1) * GROUP;
-            let mut around = Box3::at(rows.place(range.start));
-            for row in range.clone() {
-                around.hold(Box3::at(rows.place(row)));
+        const GROUPS: usize = SHARE / GROUP;
+        let mut columns = self.numbers.each_mut().map(|column| column[..self.count].chunks_mut(GROUPS));
+        let parts = core::iter::from_fn(|| {
+            let part = columns.each_mut().map(Iterator::next);
+            part[0].is_some().then(|| part.map(Option::unwrap_or_default))
+        });
+        threads.each(parts, |part, columns| {
+            for at in 0..columns[0].len() {
+                for (column, number) in columns.iter_mut().zip(numbers_of(rows, part * GROUPS + at)) {
+                    column[at] = number;
+                }
             }
-            let centre = around.centre();
-            let mut radius = P::from_f64(0.0);
-            for row in range {
-                radius = radius.max(distance_squared(rows.place(row), centre));
-            }
-            for (k, &centre) in centre.iter().enumerate() {
-                self.numbers[k].push(centre);
-                // The middle is rounded: the farther side counts.
-                self.numbers[3 + k].push((around.high[k] - centre).max(centre - around.low[k]));
-            }
-            self.numbers[6].push(radius.sqrt());
-        }
-        let padded = self.count + MAX_WIDTH;
+        });
         for column in &mut self.numbers {
-            column.resize(padded, column[self.count - 1]);
+            let last = column[self.count - 1];
+            column[self.count..].fill(last);
         }
     }
+}
+
+/// The middle of a group's box, half the box, and the radius about the middle.
+fn numbers_of<P: Scalar>(rows: &Rows<P>, group: usize) -> [P; NUMBERS] {
+    let range = group * GROUP..(group + 1) * GROUP;
+    let mut around = Box3::at(rows.place(range.start));
+    for row in range.clone() {
+        around.hold(Box3::at(rows.place(row)));
+    }
+    let centre = around.centre();
+    let mut radius = P::from_f64(0.0);
+    for row in range {
+        radius = radius.max(distance_squared(rows.place(row), centre));
+    }
+    // The middle is rounded: the farther side counts.
+    let half = |k: usize| (around.high[k] - centre[k]).max(centre[k] - around.low[k]);
+    [centre[0], centre[1], centre[2], half(0), half(1), half(2), radius.sqrt()]
 }

@@ -94,12 +94,12 @@ impl<P: Scalar> Scene<P> {
 
     fn potential(&self, far: &mut Far<P>) -> Vec<P> {
         let mut out = vec![P::from_f64(7.0); self.strength.len()];
-        far.potential(Isa::detect(), self.columns(), &self.strength, self.softening_squared, &mut out, &Serial);
+        far.potential(Isa::detect(), self.columns(), &self.strength, self.softening_squared, &mut out, &OneThread);
         out
     }
 
     pub(super) fn calibrate(&self, far: &mut Far<P>) -> Accuracy {
-        far.calibrate(Isa::detect(), self.columns(), &self.strength, self.softening_squared, &Serial)
+        far.calibrate(Isa::detect(), self.columns(), &self.strength, self.softening_squared, &OneThread)
     }
 
     /// Field and potential over all pairs, and the potential if all strengths were positive.
@@ -159,7 +159,7 @@ fn the_error_is_the_requested_one() {
             let scene = Scene::<f32>::new(&scene(name, 6000), alike, softening);
             let mut far = Far::new(error);
             let accuracy = scene.calibrate(&mut far);
-            let found = scene.error(&scene.field(&mut far, Isa::detect(), &Serial));
+            let found = scene.error(&scene.field(&mut far, Isa::detect(), &OneThread));
             // On a line, the shares of rows next to each other cancel to less than f32 tells apart.
             if name != "line" || error > 1e-4 {
                 assert!(found < 1.5 * error, "{name}: {found:e}, requested {error:e}, measured {accuracy:?}");
@@ -177,7 +177,7 @@ fn f64_has_errors_that_f32_has_not() {
     for error in [1e-4, 1e-8] {
         let mut far = Far::new(error);
         let accuracy = scene.calibrate(&mut far);
-        let found = scene.error(&scene.field(&mut far, Isa::detect(), &Serial));
+        let found = scene.error(&scene.field(&mut far, Isa::detect(), &OneThread));
         assert!(found < 1.5 * error && found > error / 3.0, "{found:e} {accuracy:?}");
     }
 }
@@ -227,9 +227,26 @@ fn bits_do_not_depend_on_threads_or_on_what_was_before() {
     let one = Scene::<f32>::new(&scene("sphere", 5000), alike, 0.01);
     let other = Scene::<f32>::new(&scene("disc", 3000), alike, 0.01);
     let mut far = Far::new(1e-3);
-    let found = one.field(&mut far, Isa::detect(), &Serial);
-    other.field(&mut far, Isa::detect(), &Serial);
+    let found = one.field(&mut far, Isa::detect(), &OneThread);
+    other.field(&mut far, Isa::detect(), &OneThread);
     for threads in [1, 2, 3] {
+        assert_eq!(found, one.field(&mut far, Isa::detect(), &Backwards(threads)));
+    }
+}
+
+#[test]
+fn rows_that_keys_do_not_tell_apart_stand_by_their_number() {
+    // Several at each place and in each cell of the curve, and all of different strength: another order, other bits.
+    let on_grid = |name| {
+        let rows = scene(name, 20_000).into_iter();
+        let rows: Vec<Place> = rows.map(|place| place.map(|number| (number * 16.0).round() / 16.0)).collect();
+        Scene::<f32>::new(&rows, |row| (row as f64 * 0.37).sin(), 0.01)
+    };
+    let [one, other] = ["cube", "disc"].map(on_grid);
+    let mut far = Far::new(1e-3);
+    let found = one.field(&mut far, Isa::detect(), &OneThread);
+    other.field(&mut far, Isa::detect(), &OneThread);
+    for threads in [1, 3] {
         assert_eq!(found, one.field(&mut far, Isa::detect(), &Backwards(threads)));
     }
 }
@@ -237,7 +254,7 @@ fn bits_do_not_depend_on_threads_or_on_what_was_before() {
 #[test]
 fn lanes_of_any_width_agree() {
     let scene = Scene::<f64>::new(&scene("sphere", 2000), alike, 0.01);
-    let mut all = Isa::available().into_iter().map(|isa| scene.field(&mut Far::new(1e-3), isa, &Serial));
+    let mut all = Isa::available().into_iter().map(|isa| scene.field(&mut Far::new(1e-3), isa, &OneThread));
     let scalar = all.next().unwrap();
     for found in all {
         for (a, b) in scalar.iter().zip(&found) {
@@ -254,7 +271,7 @@ fn few_rows_are_no_special_case() {
         let scene = Scene::<f32>::new(&scene("cube", count), alike, 0.0);
         let mut far = Far::new(1e-3);
         let accuracy = scene.calibrate(&mut far);
-        let found = scene.field(&mut far, Isa::detect(), &Serial);
+        let found = scene.field(&mut far, Isa::detect(), &OneThread);
         assert_eq!(found.len(), count);
         assert_eq!(scene.potential(&mut far).len(), count);
         if count > 0 {
@@ -270,7 +287,7 @@ fn rows_at_one_point_do_nothing_to_each_other() {
     for count in [2, 40, 3000] {
         for softening in [0.0, 0.1] {
             let scene = Scene::<f32>::new(&vec![[5.0, -1.0, 2.0]; count], alike, softening);
-            let found = scene.field(&mut Far::new(1e-3), Isa::detect(), &Serial);
+            let found = scene.field(&mut Far::new(1e-3), Isa::detect(), &OneThread);
             assert!(found.iter().all(|field| *field == [0.0; 3]), "{count} {softening}");
             let potential = scene.potential(&mut Far::new(1e-3));
             let expected = if softening > 0.0 { (count - 1) as f32 / 0.1 } else { 0.0 };
@@ -286,7 +303,7 @@ fn a_number_that_is_not_finite_reaches_every_row() {
             let mut rows = scene("cube", 500);
             rows[123][column] = wrong;
             let scene = Scene::<f64>::new(&rows, alike, 0.0);
-            let found = scene.field(&mut Far::new(1e-3), Isa::detect(), &Serial);
+            let found = scene.field(&mut Far::new(1e-3), Isa::detect(), &OneThread);
             assert!(found.iter().flatten().all(|number| number.is_nan()));
             assert!(scene.calibrate(&mut Far::new(1e-3)).measured.is_nan());
         }
@@ -298,7 +315,7 @@ fn strengths_of_0_give_nothing() {
     let scene = Scene::<f32>::new(&scene("cube", 3000), |_| 0.0, 0.0);
     let mut far = Far::new(1e-3);
     assert_eq!(scene.calibrate(&mut far).measured, 0.0);
-    assert!(scene.field(&mut far, Isa::detect(), &Serial).iter().all(|field| *field == [0.0; 3]));
+    assert!(scene.field(&mut far, Isa::detect(), &OneThread).iter().all(|field| *field == [0.0; 3]));
 }
 
 #[test]
@@ -310,7 +327,7 @@ fn units_of_a_scene_do_not_matter() {
         let mut far = Far::new(1e-3);
         let accuracy = scene.calibrate(&mut far);
         assert!(accuracy.measured <= 1e-3, "{accuracy:?}");
-        let found = scene.field(&mut far, Isa::detect(), &Serial);
+        let found = scene.field(&mut far, Isa::detect(), &OneThread);
         let error = scene.error(&found);
         assert!(error < within, "size {size:e}, offset {offset:e}: {error:e}");
     }
@@ -326,11 +343,11 @@ fn units_of_a_scene_do_not_matter() {
 fn subnormal_extents_do_no_harm() {
     let rows: Vec<Place> = scene("sphere", 400).into_iter().map(|row| row.map(|place| place * 1e-42)).collect();
     let scene = Scene::<f32>::new(&rows, |_| 1e-38, 0.0);
-    let found = scene.field(&mut Far::new(1e-3), Isa::detect(), &Serial);
+    let found = scene.field(&mut Far::new(1e-3), Isa::detect(), &OneThread);
     assert!(found.iter().flatten().all(|number| !number.is_nan()));
     let scene =
         Scene::<f64>::new(&rows.iter().map(|row| row.map(|place| place * 1e-270)).collect::<Vec<_>>(), |_| 1e-310, 0.0);
-    let found = scene.field(&mut Far::new(1e-3), Isa::detect(), &Serial);
+    let found = scene.field(&mut Far::new(1e-3), Isa::detect(), &OneThread);
     assert!(found.iter().flatten().all(|number| !number.is_nan()));
 }
 
@@ -341,7 +358,7 @@ fn a_cluster_much_smaller_than_the_scene_is_divided() {
         (0..300).map(|k| scene("cube", 2)[k % 2].map(|place| place * 10f64.powi(-(k as i32) / 2))).collect();
     let scene = Scene::<f64>::new(&rows, alike, 1e-60);
     let mut far = Far::new(1e-3);
-    let found = scene.field(&mut far, Isa::detect(), &Serial);
+    let found = scene.field(&mut far, Isa::detect(), &OneThread);
     assert!(scene.error(&found) < 1e-3);
     assert!(far.tree.cells.len() > 10);
 }

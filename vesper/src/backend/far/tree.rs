@@ -8,10 +8,14 @@
 
 use super::order::{self, Box3, Keyed};
 use super::rows::Rows;
+use super::{OneThread, Parts, SHARE, Source};
 use crate::real::Scalar;
 
 /// Cells of no more rows are not divided (measured: see the module's documentation).
 pub(super) const LEAF: usize = 48;
+
+/// Cells that one part of the work takes.
+pub(super) const CELLS: usize = SHARE / 32;
 
 /// A cell: a range of rows.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +43,12 @@ impl<P> Cell<P> {
     pub(super) fn count(&self) -> usize {
         (self.end - self.start) as usize
     }
+
+    /// Whether there is no cell inside this one, which is at that number.
+    #[inline(always)]
+    pub(super) fn is_leaf(&self, at: usize) -> bool {
+        self.next as usize == at + 1
+    }
 }
 
 /// The rows in order, and the cells.
@@ -46,28 +56,43 @@ impl<P> Cell<P> {
 pub(super) struct Tree<P> {
     pub(super) rows: Rows<P>,
     pub(super) cells: Vec<Cell<P>>,
+    /// The caller's rows in the order of the tree before.
+    before: Vec<Source<P>>,
+    /// Which of those each row is.
     keyed: Vec<Keyed>,
     scratch: Vec<Keyed>,
     boxes: Vec<Box3<P>>,
 }
 
 impl<P: Scalar> Tree<P> {
-    /// Makes the tree of at least one row; `places` and `strength` are scratch of the caller, in the frame.
-    pub(super) fn build(&mut self, places: &[Vec<P>; 3], strength: &[P]) {
-        self.divide(places);
-        self.rows.take(places, strength, &self.keyed);
-        self.bound();
-    }
-
-    /// Sorts the rows and finds the cells.
-    fn divide(&mut self, places: &[Vec<P>; 3]) {
-        let count = places[0].len();
-        self.cells.clear();
+    /// Makes the tree of at least one row of the caller, which are all in the box.
+    pub(super) fn build(&mut self, sources: &[Source<P>], around: Box3<P>, threads: &impl Parts) {
+        let count = sources.len();
+        let origin = &mut self.rows.origin;
+        if origin.len() != count {
+            origin.clear();
+            origin.extend(0..count as u32);
+        }
+        // In the order of the tree before: what comes after meets rows that lie together, and this alone does not.
+        self.before.resize(count, [P::from_f64(0.0); 4]);
+        threads.each(self.before.chunks_mut(SHARE).zip(origin.chunks(SHARE)), |_, (own, origin)| {
+            for (own, &row) in own.iter_mut().zip(*origin) {
+                *own = sources[row as usize];
+            }
+        });
         self.keyed.clear();
         self.keyed.extend(0..count as u64);
-        let keyed = &mut self.keyed;
-        let whole = order::box_of(places, keyed);
-        order::sort(places, whole, keyed, &mut self.scratch);
+        order::sort(&self.before, origin, around, &mut self.keyed, &mut self.scratch, threads);
+        self.divide();
+        self.rows.take(&self.before, &self.keyed, threads);
+        self.bound(threads);
+    }
+
+    /// Finds the cells, and sorts rows that the keys do not tell apart.
+    fn divide(&mut self) {
+        let count = self.keyed.len();
+        let (sources, keyed) = (&self.before, &mut self.keyed);
+        self.cells.clear();
         let mut pending = vec![(0, count)];
         while let Some((start, end)) = pending.pop() {
             let nothing = P::from_f64(0.0);
@@ -90,11 +115,11 @@ impl<P: Scalar> Tree<P> {
             let ends = |keyed: &[Keyed]| order::key(keyed[start]) ^ order::key(keyed[end - 1]);
             if ends(keyed) == 0 {
                 let range = &mut keyed[start..end];
-                let within = order::box_of(places, range);
+                let within = order::box_of(sources, range);
                 if within.is_point() {
                     continue;
                 }
-                order::sort(places, within, range, &mut self.scratch);
+                order::sort(sources, &self.rows.origin, within, range, &mut self.scratch, &OneThread);
                 if ends(keyed) == 0 {
                     // Numbers of more digits than keys are made from tell them apart, keys never will: a cell of many rows.
                     continue;
@@ -127,48 +152,27 @@ impl<P: Scalar> Tree<P> {
     }
 
     /// Finds boxes, centres and sizes, the inner cells first.
-    fn bound(&mut self) {
+    fn bound(&mut self, threads: &impl Parts) {
         self.boxes.clear();
         self.boxes.resize(self.cells.len(), Box3::at([P::from_f64(0.0); 3]));
+        let rows = &self.rows;
+        let parts = self.cells.chunks_mut(CELLS).zip(self.boxes.chunks_mut(CELLS));
+        threads.each(parts, |part, (cells, boxes)| {
+            for (at, (cell, around)) in (part * CELLS..).zip(cells.iter_mut().zip(boxes.iter_mut())) {
+                if cell.is_leaf(at) {
+                    *around = cell.bound(rows);
+                }
+            }
+        });
         for at in (0..self.cells.len()).rev() {
             let mut cell = self.cells[at];
-            let is_leaf = cell.next as usize == at + 1;
-            if is_leaf {
-                self.bound_leaf(&mut cell, at)
-            } else {
-                self.bound_outer(&mut cell, at)
-            }
-            if is_leaf && cell.count() > LEAF {
+            if !cell.is_leaf(at) {
+                self.bound_outer(&mut cell, at);
+            } else if cell.count() > LEAF {
                 cell.point = self.rows.sum_up(cell.start as usize..cell.end as usize) as u32;
             }
             self.cells[at] = cell;
         }
-    }
-
-    /// A cell of rows.
-    fn bound_leaf(&mut self, cell: &mut Cell<P>, at: usize) {
-        let rows = cell.start as usize..cell.end as usize;
-        let mut around = Box3::at(self.rows.place(rows.start));
-        for row in rows.clone() {
-            around.hold(Box3::at(self.rows.place(row)));
-        }
-        let mut middle = Middle::new(around.low);
-        for row in rows.clone() {
-            let strength = self.rows.strength[row];
-            cell.strength += strength;
-            middle.add(self.rows.place(row), strength.abs());
-        }
-        (cell.weight, cell.centre) = (middle.weight, middle.place(around));
-        let nothing = P::from_f64(0.0);
-        let (mut farthest, mut fourths) = (nothing, nothing);
-        for row in rows {
-            let d2 = distance_squared(self.rows.place(row), cell.centre);
-            farthest = farthest.max(d2);
-            fourths += self.rows.strength[row].abs() * (d2 * d2);
-        }
-        cell.radius = farthest.sqrt();
-        cell.take_size(fourths);
-        self.boxes[at] = around;
     }
 
     /// A cell of cells.
@@ -212,6 +216,32 @@ impl<P: Scalar> Tree<P> {
 }
 
 impl<P: Scalar> Cell<P> {
+    /// Finds centre and sizes of a cell of rows; its box.
+    fn bound(&mut self, all: &Rows<P>) -> Box3<P> {
+        let rows = self.start as usize..self.end as usize;
+        let mut around = Box3::at(all.place(rows.start));
+        for row in rows.clone() {
+            around.hold(Box3::at(all.place(row)));
+        }
+        let mut middle = Middle::new(around.low);
+        for row in rows.clone() {
+            let strength = all.strength[row];
+            self.strength += strength;
+            middle.add(all.place(row), strength.abs());
+        }
+        (self.weight, self.centre) = (middle.weight, middle.place(around));
+        let nothing = P::from_f64(0.0);
+        let (mut farthest, mut fourths) = (nothing, nothing);
+        for row in rows {
+            let d2 = distance_squared(all.place(row), self.centre);
+            farthest = farthest.max(d2);
+            fourths += all.strength[row].abs() * (d2 * d2);
+        }
+        self.radius = farthest.sqrt();
+        self.take_size(fourths);
+        around
+    }
+
     fn take_size(&mut self, fourths: P) {
         // Without a strength there is nothing that has a size.
         let nothing = P::from_f64(0.0);
