@@ -31,6 +31,11 @@ struct Closure {
 }
 
 impl<P: Scalar> RowKernel<P> for Closure {
+    #[cfg(feature = "gpu")]
+    fn trace(&self, _there: u64) -> Option<super::gpu::Trace> {
+        None
+    }
+
     unsafe fn run(&self, _isa: Isa, call: &RowCall<'_, P>) {
         // SAFETY: passed on to the caller.
         unsafe { self.rows(call) };

@@ -6,6 +6,8 @@
 
 mod block;
 
+#[cfg(feature = "gpu")]
+use super::gpu::Trace;
 use super::pointers::{MAX_SLOTS, first_output, slot_count, slots_at};
 use super::tangent::{self, TangentCall};
 use super::within::Within;
@@ -78,6 +80,9 @@ pub(crate) trait LinkKernel<P>: Send + Sync {
     /// # Safety
     /// As for `run`.
     unsafe fn energy(&self, call: &LinkCall<'_, P>) -> Option<f64>;
+    /// The body, recorded, where those components are there whose bits are set; none of a body that is not generic in its numbers.
+    #[cfg(feature = "gpu")]
+    fn trace(&self, there: u64) -> Option<Trace>;
 }
 
 /// Makes the loop of a link law.
@@ -135,6 +140,11 @@ impl<P: Scalar, F: LinkFamily<N>, const N: usize> LinkKernel<P> for OfArity<F, N
             law.energy(row, ends).to_f64()
         });
         Some(energy.sum())
+    }
+
+    #[cfg(feature = "gpu")]
+    fn trace(&self, there: u64) -> Option<Trace> {
+        Some(super::gpu::link(&self.0, there))
     }
 }
 

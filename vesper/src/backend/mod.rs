@@ -7,6 +7,8 @@
 mod column;
 mod dynamic;
 mod far;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod link;
 mod near;
 mod pair;

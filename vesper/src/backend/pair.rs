@@ -12,6 +12,8 @@ pub(crate) use apart::coordinate_slots;
 pub(crate) use near::{box_slot, distance_slot, images};
 pub(crate) use once::{PAYS, Tally, meeting_block, rounds};
 
+#[cfg(feature = "gpu")]
+use super::gpu::Trace;
 use super::near::Lists;
 use super::pointers::{MAX_SLOTS, Rows, SUMS, Slots, first_output, slot_count, slots_at};
 use super::tangent::{self, TangentCall};
@@ -109,6 +111,9 @@ pub(crate) trait PairKernel<P: Scalar>: Send + Sync {
     /// # Safety
     /// As for `run`.
     unsafe fn energy(&self, call: &PairCall<'_, P>) -> Option<f64>;
+    /// The body, recorded, where those components are there whose bits are set; none of a body that is not generic in its numbers.
+    #[cfg(feature = "gpu")]
+    fn trace(&self, there: u64) -> Option<Trace>;
 }
 
 /// Makes the loops of a pair law.
@@ -351,5 +356,10 @@ impl<P: Scalar, F: PairFamily> PairKernel<P> for F {
             }
         }
         Some(energy)
+    }
+
+    #[cfg(feature = "gpu")]
+    fn trace(&self, there: u64) -> Option<Trace> {
+        Some(super::gpu::pair(self, there))
     }
 }

@@ -1,5 +1,7 @@
 //! The loop of a row law: block by block, lanes first, then the rows that are left one by one.
 
+#[cfg(feature = "gpu")]
+use super::gpu::Trace;
 use super::pointers::{
     AdvanceAll, AdvanceCoordinates, AdvanceMomenta, KickDrift, RateRule, Rows, RowsMut, Slots, StoreAll,
     StoreCoordinates, StoreFirst, StoreMomenta, slot_count, slots_at, wants,
@@ -55,6 +57,9 @@ pub(crate) trait RowKernel<P>: Send + Sync {
     /// # Safety
     /// As for `run`.
     unsafe fn energy(&self, call: &RowCall<'_, P>) -> Option<f64>;
+    /// The body, recorded, where those components are there whose bits are set; none of a body that is not generic in its numbers.
+    #[cfg(feature = "gpu")]
+    fn trace(&self, there: u64) -> Option<Trace>;
 }
 
 /// Makes the loop of a row law.
@@ -140,6 +145,11 @@ impl<P: Scalar, F: RowFamily> RowKernel<P> for F {
             law.energy(<F::Kernel<P> as Declared<P>>::load(&source)).to_f64()
         });
         Some(energy.sum())
+    }
+
+    #[cfg(feature = "gpu")]
+    fn trace(&self, there: u64) -> Option<Trace> {
+        Some(super::gpu::row(self, there))
     }
 }
 
