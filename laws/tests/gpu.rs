@@ -2,9 +2,14 @@
 
 use vesper::backend::Compiled;
 use vesper::backend::gpu::{Comparison, Device, NotCompared, compare, wgsl_of};
+use vesper::integrate::Integrator;
 use vesper::law::Shape;
-use vesper::real::Scalar;
+use vesper::prelude::*;
+use vesper::property::PropertyInfo;
+use vesper::real::Scalar as Number;
+use vesper::registry::Options;
 use vesper_laws::catalog::{StockLaw, stock_laws};
+use vesper_laws::reference::crowd::{crowd, parameters, results, surroundings};
 
 /// Rows of a comparison: more than one workgroup, and not whole ones.
 const ROWS: usize = 1000;
@@ -66,13 +71,13 @@ fn kept(law: &StockLaw) -> Option<Kept> {
 }
 
 /// The law with its parameters, and numbers that do something where those are 0.
-fn compiled<P: Scalar>(law: &StockLaw) -> Compiled<P> {
+fn compiled<P: Number>(law: &StockLaw) -> Compiled<P> {
     let parameters = law.default_parameters().into_iter().zip(1..);
     let parameters = parameters.map(|(value, at)| if value == 0.0 { 0.3 * f64::from(at) } else { value });
     law.compile(&parameters.collect::<Vec<f64>>())
 }
 
-fn compared<P: Scalar>(device: &Device, law: &StockLaw, rows: usize) -> Result<Comparison, NotCompared> {
+fn compared<P: Number>(device: &Device, law: &StockLaw, rows: usize) -> Result<Comparison, NotCompared> {
     compare(device, &compiled::<P>(law), rows)
 }
 
@@ -145,4 +150,124 @@ fn f64_is_what_devices_have_of_it() {
             Err(NotCompared::Device(error)) => assert!(error.to_string().contains("no f64"), "{error}"),
         }
     }
+}
+
+/// An engine with these laws of a crowd, each where it is asked to run; what they moved or computed.
+fn stepped<P: Precision>(
+    laws: &[(&StockLaw, &str, Backend)],
+    integrator: impl Integrator + 'static,
+) -> (Engine<P>, Vec<(String, PropertyInfo)>) {
+    let of_crowd: Vec<(&StockLaw, &str)> = laws.iter().map(|(law, domain, _)| (*law, *domain)).collect();
+    let mut builder = surroundings(Engine::<P>::builder()).integrator(integrator).step(1e-3).estimates(false);
+    for domain in crowd(&of_crowd, ROWS) {
+        builder = builder.domain(domain);
+    }
+    for (law, domain, backend) in laws {
+        let label = format!("{}@{domain}", law.signature.name);
+        let options =
+            Options { domain: Some((*domain).to_owned()), label: Some(label), backend: *backend, ..Options::default() };
+        builder = builder.listed(law.compile::<P>(&parameters(law)), options);
+    }
+    let looked_at: Vec<_> = of_crowd.iter().flat_map(|(law, domain)| results(law, domain)).collect();
+    for (domain, property) in &looked_at {
+        builder = builder.observe(domain, *property);
+    }
+    let mut engine = builder.build().unwrap();
+    engine.steps_of(3, 1e-3).unwrap();
+    (engine, looked_at)
+}
+
+/// The largest difference, in parts of the largest number of a property.
+fn apart<P: Precision>((a, looked_at): &(Engine<P>, Vec<(String, PropertyInfo)>), b: &Engine<P>) -> f64 {
+    looked_at.iter().fold(0.0, |most, (domain, property)| {
+        let [a, b] = [a, b].map(|engine| engine.state().numbers(domain, *property).unwrap());
+        let largest = b.iter().fold(0.0, |largest, number| f64::max(largest, number.abs()));
+        let off = a.iter().zip(&b).fold(0.0, |off, (a, b)| f64::max(off, (a - b).abs()));
+        assert!(off.is_finite() && largest > 0.0, "{domain}.{}: {off} of {largest}", property.name);
+        f64::max(most, off / largest)
+    })
+}
+
+/// Every law alone in an engine, by a method whose loops advance the state at once, and by one that keeps rates.
+#[test]
+fn an_engine_runs_laws_on_the_device_as_on_the_host() {
+    if device().is_none() {
+        // Then it runs them on the host, and says so.
+        let motion = stock_laws().iter().find(|law| law.signature.name == "motion").unwrap();
+        let (engine, _) = stepped::<f32>(&[(motion, "rows", Backend::Gpu)], SemiImplicitEuler);
+        let text = engine.explain();
+        assert_eq!(engine.backends(), [Some(Backend::Cpu)], "{text}");
+        return assert!(text.contains("not on the graphics processor: there is no"), "{text}");
+    }
+    let mut on_device = 0;
+    for law in stock_laws() {
+        let on = |backend| [(law, "rows", backend)];
+        let pairs = [
+            (stepped::<f32>(&on(Backend::Gpu), SemiImplicitEuler), stepped(&on(Backend::Cpu), SemiImplicitEuler)),
+            (stepped(&on(Backend::Gpu), RungeKutta4), stepped(&on(Backend::Cpu), RungeKutta4)),
+        ];
+        for (device, host) in pairs {
+            let name = law.signature.name;
+            let off = apart(&device, &host.0);
+            let bound = if matches!(kept(law), Some(Kept::Bits)) { 0.0 } else { 2e-5 };
+            assert!(off <= bound, "{name}: {off:e}");
+            let ran = device.0.backends() == [Some(Backend::Gpu)];
+            on_device += usize::from(ran);
+            let text = device.0.explain();
+            if !ran {
+                let reason = text.lines().find(|line| line.contains("not on the graphics processor: "));
+                println!("{name}: {}", reason.unwrap_or_default().trim());
+            }
+            assert!(ran || text.contains("not on the graphics processor: "), "{name}: {text}");
+            assert!(!ran || text.contains("on the graphics processor: ") && text.contains(" bytes"), "{name}: {text}");
+        }
+    }
+    assert!(on_device >= 2 * 17, "{on_device}");
+}
+
+/// Suns that attract each other: force and motion, each here or there.
+#[test]
+fn laws_of_a_scene_run_here_and_there() {
+    if device().is_none() {
+        return;
+    }
+    let suns = |[force, motion]: [Backend; 2]| {
+        let named = |name| stock_laws().iter().find(|law| law.signature.name == name).unwrap();
+        stepped::<f32>(&[(named("gravity"), "rows", force), (named("motion"), "rows", motion)], Leapfrog::default())
+    };
+    let host = suns([Backend::Cpu; 2]);
+    for places in [[Backend::Gpu, Backend::Cpu], [Backend::Cpu, Backend::Gpu], [Backend::Gpu; 2]] {
+        let (engine, looked_at) = suns(places);
+        assert_eq!(engine.backends(), places.map(Some));
+        let off = apart(&(engine, looked_at), &host.0);
+        assert!(off < 1e-6, "{places:?}: {off:e}");
+    }
+}
+
+/// What stays on the host says why, and runs there.
+#[test]
+fn a_law_that_cannot_runs_on_the_host_and_says_why() {
+    if device().is_none() {
+        return;
+    }
+    let far = Engine::<f32>::builder()
+        .domain(
+            Domain::new("rows")
+                .rows(5000)
+                .with(Position, crowd_places(5000))
+                .with(Mass, vec![1.0; 5000])
+                .with(Velocity, vec![DVec3::ZERO; 5000]),
+        )
+        .law(vesper_laws::Gravity { g: 1.0, softening: 0.1 }.far_field(1e-3).backend(Backend::Gpu))
+        .law(vesper_laws::Motion.backend(Backend::Gpu))
+        .step(1e-3)
+        .build()
+        .unwrap();
+    let text = far.explain();
+    assert!(text.contains("not on the graphics processor: far fields are the host's"), "{text}");
+    assert_eq!(far.backends()[1], Some(Backend::Gpu), "{text}");
+}
+
+fn crowd_places(count: usize) -> Vec<DVec3> {
+    (0..count).map(|row| DVec3::new((row % 17) as f64, (row % 31) as f64, row as f64 * 0.01)).collect()
 }

@@ -211,6 +211,8 @@ pub enum Fault {
         "backend parallel is asked for, but vesper was built without the feature `parallel`: turn it on, or ask for cpu"
     )]
     NoParallel,
+    #[error("backend gpu is asked for, but vesper was built without the feature `gpu`: turn it on, or ask for cpu")]
+    NoGpu,
     #[error(
         "{integrator} finds no step that meets its tolerance at {time:e} s, down to {step:e} s: look at what is close to \
          infinite there, allow a larger error, or take an integrator of fixed steps"

@@ -302,7 +302,7 @@ impl Notes<'_> {
         let Some(choice) = choice else { return Some(Backend::Auto) };
         let backend = laws::backend(choice.value);
         if backend.is_none() {
-            let help = "use auto, cpu or parallel".to_owned();
+            let help = "use auto, cpu or parallel, or build it with the feature `gpu`".to_owned();
             self.fault(choice.span, "this build has no GPU backend", Some(help));
         }
         backend

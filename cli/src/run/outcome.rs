@@ -104,6 +104,7 @@ pub(super) fn law_outcomes<P: Precision>(engine: &Engine<P>, seconds: &[f64]) ->
             rows: if let Status::Active { rows } = law.status { rows } else { 0 },
             backend: backend.map(|backend| match backend {
                 Backend::Parallel => "parallel",
+                Backend::Gpu => "gpu",
                 Backend::Cpu | Backend::Auto => "cpu",
             }),
             seconds: seconds.get(index).copied().unwrap_or(0.0),

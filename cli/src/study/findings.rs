@@ -196,6 +196,7 @@ pub fn backend_word(backend: Backend) -> &'static str {
         Backend::Auto => "auto",
         Backend::Cpu => "cpu",
         Backend::Parallel => "parallel",
+        Backend::Gpu => "gpu",
     }
 }
 
@@ -258,9 +259,9 @@ fn run_from(reader: &Reader<'_>) -> Result<Run, String> {
     let precisions = PRECISIONS.map(|(_, numbers)| numbers);
     let words = [0, 1, 2].map(|number| (PRECISIONS[number].0, number));
     let numbers = precisions[word("precision", &words, "f32, f64 or double-double")?];
-    let backends = [("auto", 0), ("cpu", 1), ("parallel", 2)];
-    let backend =
-        [Backend::Auto, Backend::Cpu, Backend::Parallel][word("backend", &backends, "auto, cpu or parallel")?];
+    let backends = [Backend::Auto, Backend::Cpu, Backend::Parallel, Backend::Gpu];
+    let words = [0, 1, 2, 3].map(|number| (backend_word(backends[number]), number));
+    let backend = backends[word("backend", &words, "auto, cpu, parallel or gpu")?];
     let compensated = reader.field("compensated")?.flag()?;
     let broke = reader.optional("broke").map(|broke| broke.text()).transpose()?;
     // Infinite errors are null in a file.

@@ -44,7 +44,7 @@ const TABLE: &[(&str, &str)] = &[
     ),
     (
         "[[laws]]\nname = \"gravity\"\nbackend = \"gpu\"",
-        "8:11: this build has no GPU backend; use auto, cpu or parallel",
+        "8:11: this build has no GPU backend; use auto, cpu or parallel, or build it with the feature `gpu`",
     ),
     ("[[laws]]\nname = \"gravity\"\nevery = 5000000000", "8:9: expected at most 4294967295 steps, found 5000000000"),
     // Columns, constants, fields.
@@ -95,7 +95,10 @@ const ENGINES: &[(&str, &str)] = &[
         "3:43: `dormand_prince_8` has no option `rtoll`; did you mean `rtol`?",
     ),
     ("end = 1\nintegrator = { name = \"dormand_prince_5\", rtol = 0 }", "3:50: expected a number above 0 for `rtol`"),
-    ("step = 1\nend = 1\nbackend = \"gpu\"", "4:11: this build has no GPU backend; use auto, cpu or parallel"),
+    (
+        "step = 1\nend = 1\nbackend = \"gpu\"",
+        "4:11: this build has no GPU backend; use auto, cpu or parallel, or build it with the feature `gpu`",
+    ),
     ("step = 1\nend = 1\nthreads = 100000", "4:11: expected at most 1024 threads, found 100000"),
     (
         "step = 1\nend = 1\nobserve = [\"bodies.forze\"]\n[domains.bodies]\nmass = [1]",

@@ -1,6 +1,8 @@
 //! From domains, fields and laws to an engine, or to everything that is wrong with them.
 
 use super::{Clock, Engine, FixedStep};
+#[cfg(feature = "gpu")]
+use crate::backend::gpu::Device;
 use crate::backend::{Compile, Compiled};
 use crate::column::Values;
 use crate::domain::{AsProperty, Domain, SCENE};
@@ -370,6 +372,9 @@ impl<P: Scalar> Builder<P> {
             if law.entry.options.backend == Backend::Parallel && cfg!(not(feature = "parallel")) {
                 faults.push(Fault::NoParallel);
             }
+            if law.entry.options.backend == Backend::Gpu && cfg!(not(feature = "gpu")) {
+                faults.push(Fault::NoGpu);
+            }
         }
         faults.dedup();
         faults.extend(self.laws.iter().flat_map(parameter_faults));
@@ -381,6 +386,8 @@ impl<P: Scalar> Builder<P> {
             }
         }
         let machine = Machine { estimates: self.estimates, ..machine(self.threads, self.isa, &mut faults) };
+        #[cfg(feature = "gpu")]
+        let machine = Machine { device: device(&self.laws), ..machine };
         let origin = self.moving_origin.map(|property| Origin::amid(property, &mut self.domains)).transpose();
         let origin = origin.unwrap_or_else(|fault| {
             faults.push(fault);
@@ -475,10 +482,41 @@ fn machine(threads: Option<usize>, isa: Option<Isa>, faults: &mut Vec<Fault>) ->
             pool.map_err(|error| faults.push(Fault::ThreadPool { reason: error.to_string() })).ok()
         });
         let (threads, pool) = (threads.unwrap_or_else(cores), pool.map(Arc::new));
-        Machine { isa, estimates: true, fits: Arc::default(), threads, pool, probe: None, stop: None }
+        Machine {
+            isa,
+            estimates: true,
+            fits: Arc::default(),
+            #[cfg(feature = "gpu")]
+            device: None,
+            threads,
+            pool,
+            probe: None,
+            stop: None,
+        }
     }
     #[cfg(not(feature = "parallel"))]
-    Machine { isa, estimates: true, fits: Arc::default(), threads: 1, probe: None, stop: None }
+    Machine {
+        isa,
+        estimates: true,
+        fits: Arc::default(),
+        #[cfg(feature = "gpu")]
+        device: None,
+        threads: 1,
+        probe: None,
+        stop: None,
+    }
+}
+
+/// The graphics processor, where a law asks for one.
+#[cfg(feature = "gpu")]
+fn device<P: Scalar>(laws: &[Listed<P>]) -> Option<Result<Arc<Device>, String>> {
+    let asks = laws.iter().any(|law| law.entry.options.backend == Backend::Gpu);
+    asks.then(|| {
+        Device::open().map(Arc::new).map_err(|error| {
+            log::warn!("{error}: its laws run on the host");
+            error.to_string()
+        })
+    })
 }
 
 /// Logs, once, every law that falls asleep, and every one that wakes.

@@ -7,6 +7,8 @@ mod blow_up;
 mod build;
 mod checkpoint;
 mod lent;
+#[cfg(all(test, feature = "gpu"))]
+mod lost_device;
 mod origin;
 mod stable;
 
@@ -455,6 +457,8 @@ impl<P: Scalar> Engine<P> {
     pub fn backends(&self) -> Vec<Option<Backend>> {
         let backend = |law| match self.pipeline.threads(law) {
             0 => None,
+            #[cfg(feature = "gpu")]
+            _ if self.pipeline.is_on_device(law) => Some(Backend::Gpu),
             1 => Some(Backend::Cpu),
             _ => Some(Backend::Parallel),
         };

@@ -6,6 +6,8 @@ mod pair;
 pub(crate) use link::LinkPass;
 pub(crate) use pair::PairPass;
 
+#[cfg(feature = "gpu")]
+use super::device::DevicePass;
 use super::group::{Group, GroupBuilder};
 use super::operand::Operand;
 use super::plan::{Op, Placed, Plan};
@@ -91,6 +93,8 @@ pub(crate) struct BoundPass<P: Scalar> {
     pub(crate) pass: Pass<P>,
     /// The laws that run in it, for `explain`.
     pub(crate) laws: Vec<usize>,
+    /// Why it is not on the device that it was asked for.
+    pub(crate) refused: Option<String>,
 }
 
 /// One pass over memory.
@@ -99,6 +103,9 @@ pub(crate) enum Pass<P: Scalar> {
     Pair(PairPass<P>),
     Link(LinkPass<P>),
     Column(ColumnPass<P>),
+    /// On a graphics processor.
+    #[cfg(feature = "gpu")]
+    Device(DevicePass<P>),
     /// `to += step * from`, by component: (to, from, numbers).
     Axpy {
         parts: Vec<(Located<P>, *mut P)>,
@@ -114,6 +121,17 @@ pub(crate) enum Pass<P: Scalar> {
         /// Of a switch, which is held while a step is taken.
         switch: bool,
     },
+}
+
+impl<P: Scalar> Pass<P> {
+    /// The pass as the host runs it.
+    pub(crate) fn on_host(&mut self) -> &mut Pass<P> {
+        match self {
+            #[cfg(feature = "gpu")]
+            Pass::Device(pass) => &mut pass.host,
+            own => own,
+        }
+    }
 }
 
 /// A port of a column law: base of every component, stride, rows.
@@ -136,7 +154,9 @@ const PARALLEL_PAIRS: usize = 1 << 19;
 
 pub(super) fn threads(backend: Backend, work: usize, enough: usize, machine: &Machine) -> usize {
     match backend {
-        Backend::Cpu => 1,
+        // What stays on the host is not what was asked for, so it is as fast as it can be.
+        Backend::Gpu if work >= enough => machine.threads,
+        Backend::Cpu | Backend::Gpu => 1,
         Backend::Parallel => machine.threads,
         Backend::Auto if work >= enough => machine.threads,
         Backend::Auto => 1,
@@ -227,7 +247,11 @@ impl<P: Scalar> Binder<'_, P> {
             },
             Op::Start { .. } | Op::Sample { .. } => Pass::Group(self.group(ops)?),
         };
-        Some(BoundPass { every: first.every, fills, pass, laws })
+        #[cfg(feature = "gpu")]
+        let (pass, refused) = self.on_device(pass, ops);
+        #[cfg(not(feature = "gpu"))]
+        let refused = None;
+        Some(BoundPass { every: first.every, fills, pass, laws, refused })
     }
 
     fn group(&self, ops: &[Placed]) -> Option<Group<P>> {

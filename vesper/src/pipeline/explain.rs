@@ -55,6 +55,9 @@ impl<P: Scalar> Pipeline<P> {
             line(format!("{asked}: {count}"));
             for pass in passes {
                 line(format!("  {}", self.pass(pass)));
+                if let Some(reason) = &pass.refused {
+                    line(format!("    not on the graphics processor: {reason}"));
+                }
             }
         }
         for law in &self.registry.report.laws {
@@ -72,12 +75,21 @@ impl<P: Scalar> Pipeline<P> {
     pub(crate) fn threads(&self, law: usize) -> usize {
         let passes = self.programs.iter().flat_map(|program| &program.passes).filter(|pass| pass.laws.contains(&law));
         let threads = passes.map(|pass| match &pass.pass {
+            #[cfg(feature = "gpu")]
+            Pass::Device(_) => 1,
             Pass::Group(group) => group.threads(),
             Pass::Pair(pair) => pair.threads,
             Pass::Link(link) => link.threads,
             Pass::Column(_) | Pass::Axpy { .. } | Pass::Release(_) | Pass::Hold(_) | Pass::Keep { .. } => 1,
         });
         threads.max().unwrap_or(0)
+    }
+
+    /// Whether a pass of this law runs on a graphics processor.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn is_on_device(&self, law: usize) -> bool {
+        let mut passes = self.programs.iter().flat_map(|program| &program.passes);
+        passes.any(|pass| pass.laws.contains(&law) && matches!(pass.pass, Pass::Device(_)))
     }
 
     fn described(&self, seat: &Seat, state: &State<P>) -> String {
@@ -121,6 +133,11 @@ impl<P: Scalar> Pipeline<P> {
         let laws = laws.join(", ");
         let threads = |threads: usize| if threads > 1 { format!(", {threads} threads") } else { String::new() };
         match &pass.pass {
+            #[cfg(feature = "gpu")]
+            Pass::Device(pass) => format!(
+                "on the graphics processor: {laws} ({})",
+                pass.moved(|id| self.registry.quantities[id].info.name)
+            ),
             Pass::Group(group) => {
                 let loops = if group.fused { "one loop composed at compile time" } else { "block by block" };
                 let laws = if laws.is_empty() { "start of sums".to_owned() } else { laws };

@@ -10,6 +10,8 @@
 mod bind;
 mod chain;
 mod columns;
+#[cfg(feature = "gpu")]
+mod device;
 mod dot;
 mod explain;
 mod far_field;
@@ -81,6 +83,9 @@ pub(crate) struct Machine {
     pub(crate) estimates: bool,
     /// What calibrations of far fields have found, by law: kept where laws, rows or columns come and go.
     pub(crate) fits: Arc<Mutex<Vec<(String, Fit)>>>,
+    /// The graphics processor that laws were asked to run on, or why there is none.
+    #[cfg(feature = "gpu")]
+    pub(crate) device: Option<Result<Arc<crate::backend::gpu::Device>, String>>,
     /// Cores to use.
     pub(crate) threads: usize,
     #[cfg(feature = "parallel")]
@@ -227,7 +232,7 @@ impl<P: Scalar> Pipeline<P> {
         let mut broken: Vec<(usize, PairWord)> = Vec::new();
         let mut faults = Vec::new();
         for bound in passes {
-            let bind::Pass::Pair(pair) = &mut bound.pass else { continue };
+            let bind::Pass::Pair(pair) = bound.pass.on_host() else { continue };
             // Rows of lent memory are not there yet.
             if !pair.load_owned() {
                 continue;
@@ -277,7 +282,7 @@ impl<P: Scalar> Pipeline<P> {
     /// Lent memory may begin elsewhere than in the last run.
     pub(crate) fn forget_addresses(&mut self) {
         for pass in self.programs.iter_mut().flat_map(|program| &mut program.passes) {
-            if let bind::Pass::Group(group) = &mut pass.pass {
+            if let bind::Pass::Group(group) = pass.pass.on_host() {
                 group.unready();
             }
         }

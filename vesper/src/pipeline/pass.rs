@@ -1,7 +1,7 @@
 //! Runs one pass over memory. In: a pass that is tied to a state, and what all passes of a run share. Out: results in
 //! their columns, or energies. Never: an order of passes.
 
-use super::bind::{BoundPass, ColumnPass, LinkPass, Located, Pass};
+use super::bind::{ColumnPass, LinkPass, Located, Pass};
 use super::run::Context;
 use super::switches::Phase;
 use super::threads::in_parts;
@@ -9,8 +9,14 @@ use crate::backend::{Kernel, LinkCall, Links, Strided};
 use crate::law::{ColumnAccess, PortView};
 use crate::real::Scalar;
 
-pub(super) fn run_pass<P: Scalar>(pass: &mut BoundPass<P>, context: &Context<'_, P>) -> f64 {
-    match &mut pass.pass {
+pub(super) fn run_pass<P: Scalar>(pass: &mut Pass<P>, context: &Context<'_, P>) -> f64 {
+    match pass {
+        #[cfg(feature = "gpu")]
+        Pass::Device(pass) => {
+            if !pass.run(context) {
+                return run_pass(&mut pass.host, context);
+            }
+        }
         // SAFETY: `Runner` is only made for a state with the layout that the program was tied to, held exclusively.
         Pass::Group(group) => return unsafe { group.run(context) },
         Pass::Pair(pass) if pass.is_one_call && context.is_unwatched() => {

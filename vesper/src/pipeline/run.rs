@@ -160,7 +160,7 @@ impl<'a, P: Scalar> Runner<'a, P> {
         for pass in &mut programs[key.index()].passes {
             // Most are neither held, nor of a law that is not evaluated on every step.
             if pass.every <= 1 && pass.fills.is_none() || is_due(pass, vectors, (self.pace, self.step)) {
-                energy += run_pass(pass, &self.context);
+                energy += run_pass(&mut pass.pass, &self.context);
             }
         }
         energy

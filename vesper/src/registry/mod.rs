@@ -28,6 +28,9 @@ pub enum Backend {
     Cpu,
     /// On all cores; the same bits as on one.
     Parallel,
+    /// On a graphics processor (feature `gpu`), where there is one that can; else on the host, and `explain` says why. Sums of pairs
+    /// are in another order there.
+    Gpu,
 }
 
 /// How a law is listed: everything about its use that is not its own.

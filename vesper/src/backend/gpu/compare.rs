@@ -2,7 +2,7 @@
 //!
 //! In: a law. Out: how far the two are apart, on rows of numbers that a fixed sequence gives. Never: an engine.
 
-use super::device::{Device, DeviceFault};
+use super::device::{Device, DeviceFault, Work};
 use super::layout::{Access, Slot, Store};
 use super::links::Ends;
 use super::wgsl::{Loop, Program, Word};
@@ -74,17 +74,20 @@ pub fn compare<P: Scalar>(device: &Device, law: &Compiled<P>, rows: usize) -> Re
     for list in ends.lists().iter().take(program.shape.lists().len()) {
         buffers.push(filled(device, &list.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>()));
     }
-    if rows > 0 {
-        let buffers: Vec<&wgpu::Buffer> = buffers.iter().collect();
-        device.run(&prepared, &buffers, &call(program, &given, rows), rows as u32);
-    }
+    let tied: Vec<&wgpu::Buffer> = buffers.iter().collect();
+    let group = device.bind(&prepared, &tied);
+    let work = Work { prepared: &prepared, group: &group, call: call(program, &given, rows), rows: rows as u32 };
+    let back: Vec<(&wgpu::Buffer, usize)> =
+        columns.iter().zip(&buffers).map(|(slots, buffer)| (buffer, slots.len() * rows * size_of::<P>())).collect();
+    let mut found: Vec<P> = Vec::new();
+    device.run([work].into_iter(), &back, |bytes| found = numbers(bytes))?;
     let mut comparison = Comparison { numbers: 0, same: 0, zeros: 0, largest: 0.0 };
-    for ((slots, buffer), binding) in columns.iter().zip(&buffers).zip(&program.layout.bindings) {
-        if binding.access == Access::Read || rows == 0 {
-            continue;
-        }
-        let found: Vec<P> = numbers(&device.read(buffer, slots.len() * rows * size_of::<P>())?);
-        for (slot, found) in slots.iter().zip(found.chunks_exact(rows)) {
+    let mut found = found.chunks_exact(rows.max(1));
+    for (slots, binding) in columns.iter().zip(&program.layout.bindings) {
+        for (slot, found) in slots.iter().zip(found.by_ref()) {
+            if binding.access == Access::Read {
+                continue;
+            }
             let output = |slot: &usize| matches!(program.layout.slots[*slot], Slot::Output { .. });
             let written =
                 (0..program.layout.slots.len()).filter(output).find(|written| same_place(program, *written, *slot));
@@ -216,6 +219,7 @@ fn call<P: Scalar>(program: &Program, given: &[Aligned<P>], rows: usize) -> Vec<
     for word in &program.call {
         match *word {
             Word::Constant(slot) => call.extend(bytes(given[slot].as_slice().iter().copied())),
+            Word::Step => call.extend(bytes([P::from_f64(0.0)].into_iter())),
             Word::Rows | Word::Stride(_) => call.extend((rows as u32).to_le_bytes()),
         }
     }
@@ -225,7 +229,7 @@ fn call<P: Scalar>(program: &Program, given: &[Aligned<P>], rows: usize) -> Vec<
 
 fn filled(device: &Device, bytes: &[u8]) -> wgpu::Buffer {
     let buffer = device.buffer(bytes.len() as u64);
-    device.write(&buffer, bytes);
+    device.write(&buffer, 0, bytes);
     buffer
 }
 

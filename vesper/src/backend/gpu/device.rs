@@ -5,6 +5,7 @@
 
 use super::wgsl::{ACROSS, GROUP, Numbers, Program};
 use pollster::block_on;
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::{
     BindGroupEntry, BindGroupLayoutEntry, BindingType, BufferBindingType, BufferDescriptor, BufferUsages, Features,
@@ -49,7 +50,9 @@ pub struct Device {
     device: wgpu::Device,
     queue: wgpu::Queue,
     name: String,
-    /// What was last heard of a fault that nobody asked about, or of the loss.
+    /// Programs that were built, by their texts.
+    known: Mutex<HashMap<String, Arc<Prepared>>>,
+    /// What was first heard of a fault that nobody asked about, or of the loss.
     heard: Arc<Mutex<Option<DeviceFault>>>,
 }
 
@@ -59,6 +62,15 @@ pub(crate) struct Prepared {
     pub(crate) program: Program,
     pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
+}
+
+/// One program with its buffers, and what comes with the call.
+#[derive(Debug)]
+pub(crate) struct Work<'a> {
+    pub(crate) prepared: &'a Prepared,
+    pub(crate) group: &'a wgpu::BindGroup,
+    pub(crate) call: Vec<u8>,
+    pub(crate) rows: u32,
 }
 
 impl Device {
@@ -107,7 +119,7 @@ impl Device {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             hear(&to, DeviceFault::Refused(error.to_string()));
         }));
-        Ok(Device { device, queue, name, heard })
+        Ok(Device { device, queue, name, known: Mutex::default(), heard })
     }
 
     /// The processor and its driver.
@@ -120,8 +132,26 @@ impl Device {
         precision == Numbers::F32 || self.device.features().contains(Features::SHADER_F64)
     }
 
-    /// Builds a program.
-    pub(crate) fn prepare(&self, program: Program) -> Result<Prepared, DeviceFault> {
+    /// Whether it no longer answers.
+    pub(crate) fn is_lost(&self) -> bool {
+        let heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
+        matches!(*heard, Some(DeviceFault::Lost(_)))
+    }
+
+    /// A program, built if it is not known.
+    pub(crate) fn prepare(&self, program: Program) -> Result<Arc<Prepared>, DeviceFault> {
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner).get(&program.text).cloned();
+        match known {
+            Some(prepared) => Ok(prepared),
+            None => {
+                let (text, prepared) = (program.text.clone(), Arc::new(self.built(program)?));
+                let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+                Ok(known.entry(text).or_insert(prepared).clone())
+            }
+        }
+    }
+
+    fn built(&self, program: Program) -> Result<Prepared, DeviceFault> {
         let limits = self.device.limits();
         let lists = program.shape.lists().len();
         let buffers = program.layout.bindings.len() + lists;
@@ -185,45 +215,73 @@ impl Device {
         })
     }
 
-    /// Writes to a buffer, from its beginning on.
-    pub(crate) fn write(&self, to: &wgpu::Buffer, bytes: &[u8]) {
-        self.queue.write_buffer(to, 0, bytes);
+    /// The same, where the device can bind as much.
+    pub(crate) fn room(&self, bytes: u64) -> Result<wgpu::Buffer, DeviceFault> {
+        let limits = self.device.limits();
+        let most = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
+        if bytes > most {
+            let text = format!("a column takes {bytes} bytes, and it takes {most} for each");
+            return Err(DeviceFault::Refused(text));
+        }
+        Ok(self.buffer(bytes))
     }
 
-    /// Runs a program over so many rows, with these buffers, in the order of its bindings, and the bytes that come with the call.
-    pub(crate) fn run(&self, prepared: &Prepared, buffers: &[&wgpu::Buffer], call: &[u8], rows: u32) {
+    /// As if it had been unplugged.
+    #[cfg(test)]
+    pub(crate) fn destroy(&self) {
+        self.device.destroy();
+    }
+
+    /// Asks it for nothing any more.
+    pub(crate) fn give_up(&self, fault: DeviceFault) {
+        *self.heard.lock().unwrap_or_else(PoisonError::into_inner) = Some(DeviceFault::Lost(fault.to_string()));
+    }
+
+    /// Writes to a buffer, so many bytes behind its beginning.
+    pub(crate) fn write(&self, to: &wgpu::Buffer, offset: u64, bytes: &[u8]) {
+        self.queue.write_buffer(to, offset, bytes);
+    }
+
+    /// Ties buffers to a program, in the order of its bindings.
+    pub(crate) fn bind(&self, prepared: &Prepared, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
         let entries: Vec<BindGroupEntry<'_>> = (0..)
             .zip(buffers)
             .map(|(binding, buffer)| BindGroupEntry { binding, resource: buffer.as_entire_binding() })
             .collect();
-        let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &prepared.layout,
-            entries: &entries,
-        });
+        let layout = &prepared.layout;
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+    }
+
+    /// Runs programs one after the other, and brings back so many bytes of each of these buffers, one behind the other.
+    pub(crate) fn run<'a>(
+        &self,
+        works: impl Iterator<Item = Work<'a>>,
+        back: &[(&wgpu::Buffer, usize)],
+        read: impl FnOnce(&[u8]),
+    ) -> Result<(), DeviceFault> {
+        let size: u64 = back.iter().map(|(_, bytes)| *bytes as u64).sum();
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(&prepared.pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.set_immediates(0, call);
-            let groups = rows.div_ceil(GROUP);
-            pass.dispatch_workgroups(groups.min(ACROSS), groups.div_ceil(ACROSS), 1);
+            for work in works.filter(|work| work.rows > 0) {
+                pass.set_pipeline(&work.prepared.pipeline);
+                pass.set_bind_group(0, work.group, &[]);
+                pass.set_immediates(0, &work.call);
+                let groups = work.rows.div_ceil(GROUP);
+                pass.dispatch_workgroups(groups.min(ACROSS), groups.div_ceil(ACROSS), 1);
+            }
         }
-        self.queue.submit([encoder.finish()]);
-    }
-
-    /// The first bytes of a buffer, when all that was asked before is done.
-    pub(crate) fn read(&self, from: &wgpu::Buffer, bytes: usize) -> Result<Vec<u8>, DeviceFault> {
-        let size = from.size().min((bytes as u64).next_multiple_of(8));
         let staging = self.device.create_buffer(&BufferDescriptor {
             label: None,
-            size,
+            size: size.max(8),
             usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_buffer_to_buffer(from, 0, &staging, 0, size);
+        let mut at = 0;
+        for (buffer, bytes) in back.iter().filter(|(_, bytes)| *bytes > 0) {
+            encoder.copy_buffer_to_buffer(buffer, 0, &staging, at, *bytes as u64);
+            at += *bytes as u64;
+        }
         let submitted = self.queue.submit([encoder.finish()]);
         let (sender, receiver) = std::sync::mpsc::channel();
         // Who waits is still there.
@@ -236,6 +294,7 @@ impl Device {
         let lost = || DeviceFault::Lost("its memory cannot be read".to_owned());
         receiver.try_recv().ok().and_then(Result::ok).ok_or_else(lost)?;
         let mapped = staging.get_mapped_range(..).map_err(|_| lost())?;
-        Ok(mapped[..bytes].to_vec())
+        read(&mapped[..size as usize]);
+        Ok(())
     }
 }

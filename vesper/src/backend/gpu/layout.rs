@@ -24,6 +24,15 @@ pub(crate) struct Binding {
     pub(crate) access: Access,
 }
 
+impl Binding {
+    /// A buffer, with a name that WGSL takes: letters and digits of this one, and the number that keeps it apart from others.
+    pub(crate) fn new(name: &str, access: Access, number: usize) -> Self {
+        let letters = name.chars().map(|letter| if letter.is_ascii_alphanumeric() { letter } else { '_' });
+        let name = letters.collect::<String>();
+        Binding { name: format!("{}_{number}", name.trim_matches('_')), access }
+    }
+}
+
 /// How a result goes where it goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Store {
@@ -31,6 +40,8 @@ pub(crate) enum Store {
     Set,
     /// Added to what is there.
     Add,
+    /// Added to what is there, times the step.
+    Advance,
 }
 
 /// Where one component is.
@@ -69,7 +80,8 @@ impl Layout {
         for (number, port) in signature.ports.iter().enumerate() {
             let is_constant = port.place == Place::Scene;
             let absent = port.optional && there >> starts[number] & 1 == 0;
-            let buffer = |name: &str, access| Binding { name: format!("{}_{name}", port.field), access };
+            let count = layout.bindings.len();
+            let buffer = |name: &str, access| Binding::new(&format!("{}_{name}", port.field), access, count);
             let at_end = if port.place == Place::End { "end_" } else { "" };
             let (own, store) = match port.mode {
                 Mode::Reads | Mode::Previous => (buffer(&format!("{at_end}in"), Access::Read), None),

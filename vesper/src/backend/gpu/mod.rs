@@ -21,9 +21,12 @@ mod wgsl;
 pub(crate) use check::{Wrong, check};
 pub use compare::{Comparison, NotCompared, compare};
 pub use device::{Device, DeviceFault, NoDevice};
-pub(crate) use layout::Layout;
+pub(crate) use device::{Prepared, Work};
+pub(crate) use layout::{Access, Binding, Layout, Slot, Store};
+pub(crate) use links::Ends;
 pub(crate) use trace::{Trace, link, pair, row};
-pub(crate) use wgsl::{Loop, Numbers, Program, Refused, write};
+pub(crate) use wgpu::{BindGroup, Buffer};
+pub(crate) use wgsl::{Loop, Numbers, Program, Refused, Word, write};
 
 use super::{Compiled, Kernel};
 use crate::real::{InPrecision, Scalar};
@@ -62,11 +65,15 @@ impl InPrecision for OnDevice {
 impl<P: Scalar> Compiled<P> {
     /// The law's program, where those optional components are there whose bits are set, with its buffers as the signature has them.
     pub(crate) fn program(&self, there: u64) -> Result<Program, NoKernel> {
+        self.program_in(Layout::of(&self.signature, there), there)
+    }
+
+    /// The same, with its buffers as they are laid out here.
+    pub(crate) fn program_in(&self, layout: Layout, there: u64) -> Result<Program, NoKernel> {
         let fail = |reason| NoKernel { law: self.signature.name, reason };
         let precision = P::choose::<OnDevice>(|| Some(Numbers::F32), || Some(Numbers::F64), || None);
         let precision = precision.ok_or(fail(Reason::DoubleDouble))?;
         let (trace, shape) = self.traced(there).map_err(fail)?;
-        let layout = Layout::of(&self.signature, there);
         let program = write(&trace, layout, shape, precision, self.signature.estimates);
         let program = program.map_err(|refused| fail(refused.into()))?;
         check(&program).map_err(|wrong| fail(wrong.into()))?;
@@ -83,6 +90,17 @@ impl<P: Scalar> Compiled<P> {
         };
         Ok((trace.ok_or(Reason::Closure)?, shape))
     }
+}
+
+/// A program that copies numbers: the first so many slots of the layout get those of the slots behind them.
+pub(crate) fn copied<P: Scalar>(width: usize, layout: Layout) -> Result<Program, NoKernel> {
+    let fail = |reason| NoKernel { law: "the start of a sum", reason };
+    let numbers = P::choose::<OnDevice>(|| Some(Numbers::F32), || Some(Numbers::F64), || None);
+    let numbers = numbers.ok_or(fail(Reason::DoubleDouble))?;
+    let program = write(&trace::copy(width), layout, Loop::Rows, numbers, false);
+    let program = program.map_err(|refused| fail(refused.into()))?;
+    check(&program).map_err(|wrong| fail(wrong.into()))?;
+    Ok(program)
 }
 
 /// The bits of all components.

@@ -103,3 +103,11 @@ pub(crate) fn link<F: LinkFamily<N>, const N: usize>(law: &F, there: u64) -> Tra
     });
     Trace { record, results }
 }
+
+/// Records numbers that are copied: the first so many slots get those of the slots behind them.
+pub(crate) fn copy(width: usize) -> Trace {
+    let of = Of::Row;
+    let result = |slot| ResultOf { of, slot, value: Traced::input(of, width + slot).0 };
+    let (results, record) = record(|| (0..width).map(result).collect());
+    Trace { record, results }
+}

@@ -7,8 +7,8 @@
 //! constant expression either: nothing is computed when the text is read, where a division by 0 would be an error. What depends on one
 //! row of a pair alone stands before the loop over the other.
 //!
-//! The numbers that come with a call are an `immediate`: constants of the scene, then the rows and the strides of the buffers, in the
-//! order of [`Program::call`].
+//! The numbers that come with a call are an `immediate`: constants of the scene, the step, then the rows and the strides of the buffers,
+//! in the order of [`Program::call`].
 
 use super::layout::{Access, Layout, Slot, Store};
 use super::trace::{ResultOf, Trace};
@@ -60,6 +60,8 @@ pub(crate) enum Loop {
 pub(crate) enum Word {
     /// The constant of this slot.
     Constant(usize),
+    /// The step by which rates advance states.
+    Step,
     /// How many rows there are.
     Rows,
     /// How far apart the components of this binding are.
@@ -81,7 +83,7 @@ impl Program {
     /// Bytes that come with a call.
     pub(crate) fn call_bytes(&self) -> u32 {
         let size = |word: &Word| match word {
-            Word::Constant(_) => self.precision.bytes(),
+            Word::Constant(_) | Word::Step => self.precision.bytes(),
             Word::Rows | Word::Stride(_) => 4,
         };
         self.call.iter().map(size).sum::<u32>().next_multiple_of(self.precision.bytes())
@@ -177,6 +179,8 @@ fn call(layout: &Layout, nodes: impl Iterator<Item = Node>) -> Vec<Word> {
         .collect();
     constants.sort_unstable();
     let mut call: Vec<Word> = constants.into_iter().map(Word::Constant).collect();
+    let advances = |slot: &Slot| matches!(slot, Slot::Output { store: Store::Advance, .. });
+    call.extend(layout.slots.iter().any(advances).then_some(Word::Step));
     call.push(Word::Rows);
     // Buffers of one component have none apart.
     let several = |binding: &usize| {
@@ -225,6 +229,7 @@ impl Writer<'_> {
         for word in self.call {
             match word {
                 Word::Constant(slot) => line!(text, 1, "constant_{slot}: {number},"),
+                Word::Step => line!(text, 1, "step: {number},"),
                 Word::Rows => line!(text, 1, "rows: u32,"),
                 Word::Stride(binding) => line!(text, 1, "stride_{binding}: u32,"),
             }
@@ -394,6 +399,10 @@ impl Writer<'_> {
             }
             let own = name(at as At);
             match *node {
+                // A part of the state that is not asked for depends on nothing that is absent; if it does, it shows.
+                Node::Input(from) if self.layout.slots[from.slot] == Slot::Absent => {
+                    self.number(text, indent, &own, f64::NAN);
+                }
                 Node::Input(from) => line!(text, indent, "let {own} = {};", input(from)),
                 Node::Number(bits) => self.number(text, indent, &own, f64::from_bits(bits)),
                 Node::Unary(operation, a) => line!(text, indent, "let {own} = {};", self.unary(operation, &name(a))),
@@ -497,6 +506,7 @@ impl Writer<'_> {
         match store {
             Store::Set => line!(text, indent, "{place} = {value};"),
             Store::Add => line!(text, indent, "{place} = {place} + {value};"),
+            Store::Advance => line!(text, indent, "{place} = {place} + {value} * call.step;"),
         }
     }
 }
