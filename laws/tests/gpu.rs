@@ -268,6 +268,27 @@ fn a_law_that_cannot_runs_on_the_host_and_says_why() {
     assert_eq!(far.backends()[1], Some(Backend::Gpu), "{text}");
 }
 
+/// Two laws of one pass, and between them a sum that nobody else looks at.
+#[test]
+fn what_only_laws_of_a_pass_see_is_on_the_device_too() {
+    if device().is_none() {
+        return;
+    }
+    let fallen = |backend: Backend| {
+        let rows = Domain::new("rows").rows(100).with(Position, crowd_places(100)).with(Mass, vec![2.0; 100]);
+        let builder = Engine::<f32>::builder().domain(rows.with(Velocity, vec![DVec3::Y; 100]));
+        let builder = builder.constant(GravityAcceleration, DVec3::new(0.0, 0.0, -9.81));
+        let builder = builder.law(vesper_laws::UniformGravity).law(vesper_laws::Motion).backend(backend).step(0.125);
+        let mut engine = builder.strict().build().unwrap();
+        engine.steps_of(8, 0.125).unwrap();
+        engine
+    };
+    let [here, there] = [Backend::Cpu, Backend::Gpu].map(fallen);
+    assert_eq!(there.backends(), [Some(Backend::Gpu); 2], "{}", there.explain());
+    let places = |engine: &Engine<f32>| engine.state().numbers("rows", Position::INFO).unwrap();
+    assert_eq!(places(&here), places(&there));
+}
+
 fn crowd_places(count: usize) -> Vec<DVec3> {
     (0..count).map(|row| DVec3::new((row % 17) as f64, (row % 31) as f64, row as f64 * 0.01)).collect()
 }

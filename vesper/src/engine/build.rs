@@ -1,8 +1,7 @@
 //! From domains, fields and laws to an engine, or to everything that is wrong with them.
 
+use super::machine::machine;
 use super::{Clock, Engine, FixedStep};
-#[cfg(feature = "gpu")]
-use crate::backend::gpu::Device;
 use crate::backend::{Compile, Compiled};
 use crate::column::Values;
 use crate::domain::{AsProperty, Domain, SCENE};
@@ -387,7 +386,7 @@ impl<P: Scalar> Builder<P> {
         }
         let machine = Machine { estimates: self.estimates, ..machine(self.threads, self.isa, &mut faults) };
         #[cfg(feature = "gpu")]
-        let machine = Machine { device: device(&self.laws), ..machine };
+        let machine = Machine { device: super::machine::device(&self.laws), ..machine };
         let origin = self.moving_origin.map(|property| Origin::amid(property, &mut self.domains)).transpose();
         let origin = origin.unwrap_or_else(|fault| {
             faults.push(fault);
@@ -463,60 +462,6 @@ fn parameter_faults<P: Scalar>(law: &Listed<P>) -> Vec<Fault> {
 pub(super) fn no_law<P: Scalar>(name: &str, laws: &[Listed<P>]) -> Fault {
     let labels = laws.iter().map(|law| law.entry.label());
     Fault::NoLaw { law: name.to_owned(), nearest: nearest(name, labels) }
-}
-
-/// Threads that a pool may have: to start more takes seconds, and no machine has as many cores.
-const MOST_THREADS: usize = 1024;
-
-fn machine(threads: Option<usize>, isa: Option<Isa>, faults: &mut Vec<Fault>) -> Machine {
-    let isa = isa.unwrap_or_else(Isa::detect);
-    if let Some(given) = threads.filter(|given| !(1..=MOST_THREADS).contains(given)) {
-        faults.push(Fault::Threads { given, most: MOST_THREADS });
-    }
-    #[cfg(feature = "parallel")]
-    {
-        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-        // The thread that calls is one of them.
-        let pool = threads.filter(|count| (2..=MOST_THREADS).contains(count)).and_then(|count| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(count - 1).build();
-            pool.map_err(|error| faults.push(Fault::ThreadPool { reason: error.to_string() })).ok()
-        });
-        let (threads, pool) = (threads.unwrap_or_else(cores), pool.map(Arc::new));
-        Machine {
-            isa,
-            estimates: true,
-            fits: Arc::default(),
-            #[cfg(feature = "gpu")]
-            device: None,
-            threads,
-            pool,
-            probe: None,
-            stop: None,
-        }
-    }
-    #[cfg(not(feature = "parallel"))]
-    Machine {
-        isa,
-        estimates: true,
-        fits: Arc::default(),
-        #[cfg(feature = "gpu")]
-        device: None,
-        threads: 1,
-        probe: None,
-        stop: None,
-    }
-}
-
-/// The graphics processor, where a law asks for one.
-#[cfg(feature = "gpu")]
-fn device<P: Scalar>(laws: &[Listed<P>]) -> Option<Result<Arc<Device>, String>> {
-    let asks = laws.iter().any(|law| law.entry.options.backend == Backend::Gpu);
-    asks.then(|| {
-        Device::open().map(Arc::new).map_err(|error| {
-            log::warn!("{error}: its laws run on the host");
-            error.to_string()
-        })
-    })
 }
 
 /// Logs, once, every law that falls asleep, and every one that wakes.

@@ -7,8 +7,7 @@ mod blow_up;
 mod build;
 mod checkpoint;
 mod lent;
-#[cfg(all(test, feature = "gpu"))]
-mod lost_device;
+mod machine;
 mod origin;
 mod stable;
 

@@ -7,7 +7,7 @@ use super::plan::{Key, Placed, Plan};
 use crate::column::Column;
 use crate::property::Role;
 use crate::real::Scalar;
-use crate::registry::QuantityId;
+use crate::registry::{Backend, QuantityId};
 use crate::state::State;
 
 impl Plan {
@@ -28,7 +28,9 @@ impl Plan {
         let constant = passes.iter().copied().flatten().any(constant);
         let one_pass = matches!(passes.as_slice(), [pass] if pass.iter().all(|op| op.row_local && op.rows.is_none()));
         let switch = known.info.role == Role::Switch;
-        computed && !looked_at && !switch && !constant && one_pass
+        // The scratch of a block is the host's.
+        let on_device = passes.iter().copied().flatten().any(|op| op.backend == Backend::Gpu);
+        computed && !looked_at && !switch && !constant && one_pass && !on_device
     }
 }
 

@@ -89,7 +89,7 @@ impl<P: Scalar> Pipeline<P> {
     #[cfg(feature = "gpu")]
     pub(crate) fn is_on_device(&self, law: usize) -> bool {
         let mut passes = self.programs.iter().flat_map(|program| &program.passes);
-        passes.any(|pass| pass.laws.contains(&law) && matches!(pass.pass, Pass::Device(_)))
+        passes.any(|pass| pass.laws.contains(&law) && matches!(&pass.pass, Pass::Device(pass) if !pass.is_lost()))
     }
 
     fn described(&self, seat: &Seat, state: &State<P>) -> String {

@@ -133,6 +133,9 @@ pub(crate) struct Pipeline<P: Scalar> {
     pub(crate) observes: bool,
     /// Whether columns are the client's memory.
     pub(crate) lends: bool,
+    /// Columns on the graphics processor.
+    #[cfg(feature = "gpu")]
+    buffers: device::Buffers,
 }
 
 // SAFETY: its pointers are into its own memory, and into columns of the state that it was made for, which are followed
@@ -186,6 +189,8 @@ impl<P: Scalar> Pipeline<P> {
             amends: false,
             observes: false,
             lends: lent_columns(state).next().is_some(),
+            #[cfg(feature = "gpu")]
+            buffers: device::Buffers::default(),
         };
         let rotates = integrator.rotates();
         let asked = |key: &Key| rotates || !matches!(key, Key::Unturned | Key::Turners);

@@ -74,6 +74,12 @@ impl<'a, P: Scalar> Context<'a, P> {
         !self.looks
     }
 
+    /// Whether results are looked at law by law.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn is_watched(&self) -> bool {
+        self.watch.is_some()
+    }
+
     /// Notes the law, if it is the first whose results are not finite. `results` gives start, stride and count of each.
     pub(crate) fn watch<I: Iterator<Item = (*mut P, usize, usize)>>(&self, law: usize, results: impl FnOnce() -> I) {
         let Some(watch) = &self.watch else { return };

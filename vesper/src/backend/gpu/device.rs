@@ -6,6 +6,7 @@
 use super::wgsl::{ACROSS, GROUP, Numbers, Program};
 use pollster::block_on;
 use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::{
     BindGroupEntry, BindGroupLayoutEntry, BindingType, BufferBindingType, BufferDescriptor, BufferUsages, Features,
@@ -286,7 +287,10 @@ impl Device {
         let (sender, receiver) = std::sync::mpsc::channel();
         // Who waits is still there.
         staging.map_async(wgpu::MapMode::Read, .., move |mapped| drop(sender.send(mapped)));
-        let waited = self.device.poll(PollType::Wait { submission_index: Some(submitted), timeout: None });
+        // The interface beneath panics where a driver says that the device is lost while somebody waits for it.
+        let wait = || self.device.poll(PollType::Wait { submission_index: Some(submitted), timeout: None });
+        let waited = catch_unwind(AssertUnwindSafe(wait));
+        let waited = waited.map_err(|_| DeviceFault::Lost("its driver gave it up".to_owned()))?;
         if let Some(fault) = self.heard.lock().unwrap_or_else(PoisonError::into_inner).clone() {
             return Err(fault);
         }

@@ -12,8 +12,7 @@ mod compare;
 mod device;
 mod layout;
 mod links;
-#[cfg(test)]
-mod tests;
+mod operations;
 mod trace;
 mod traced;
 mod wgsl;
@@ -65,16 +64,16 @@ impl InPrecision for OnDevice {
 impl<P: Scalar> Compiled<P> {
     /// The law's program, where those optional components are there whose bits are set, with its buffers as the signature has them.
     pub(crate) fn program(&self, there: u64) -> Result<Program, NoKernel> {
-        self.program_in(Layout::of(&self.signature, there), there)
+        self.program_in(Layout::of(&self.signature, there), there, true)
     }
 
-    /// The same, with its buffers as they are laid out here.
-    pub(crate) fn program_in(&self, layout: Layout, there: u64) -> Result<Program, NoKernel> {
+    /// The same, with its buffers as they are laid out here; with estimated roots, if they are asked for and the law allows them.
+    pub(crate) fn program_in(&self, layout: Layout, there: u64, estimates: bool) -> Result<Program, NoKernel> {
         let fail = |reason| NoKernel { law: self.signature.name, reason };
         let precision = P::choose::<OnDevice>(|| Some(Numbers::F32), || Some(Numbers::F64), || None);
         let precision = precision.ok_or(fail(Reason::DoubleDouble))?;
         let (trace, shape) = self.traced(there).map_err(fail)?;
-        let program = write(&trace, layout, shape, precision, self.signature.estimates);
+        let program = write(&trace, layout, shape, precision, estimates && self.signature.estimates);
         let program = program.map_err(|refused| fail(refused.into()))?;
         check(&program).map_err(|wrong| fail(wrong.into()))?;
         Ok(program)
@@ -112,4 +111,249 @@ const ALL: u64 = u64::MAX;
 /// Devices cannot run the law; the error says why.
 pub fn wgsl_of<P: Scalar>(law: &Compiled<P>) -> Result<String, NoKernel> {
     Ok(law.program(ALL)?.text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::layout::{Access, Binding, Slot, Store};
+    use super::wgsl::Word;
+    use super::{Device, Layout, Loop, Numbers, Program, Work, check, compare, wgsl_of};
+    use crate::backend::{Compile, Compiled};
+    use crate::prelude::*;
+    use crate::property::Corners;
+
+    /// The device that the system has; without one the test says so, and with `VESPER_REQUIRE_GPU=1` it fails.
+    fn device() -> Option<Device> {
+        match Device::open() {
+            Ok(device) => Some(device),
+            Err(error) if std::env::var("VESPER_REQUIRE_GPU").is_ok_and(|required| required == "1") => {
+                panic!("a device is required: {error}")
+            }
+            Err(error) => {
+                eprintln!("not run: {error}");
+                None
+            }
+        }
+    }
+
+    /// A helper of the body: any function that is generic in its numbers will do.
+    fn twice_the_larger<R: Real>(a: R, b: R) -> R {
+        let mut sum = R::lit(0.0);
+        for _ in 0..2 {
+            sum += a.max(b);
+        }
+        sum
+    }
+
+    /// Everything that a body may do with numbers, and none of it exact but in one way.
+    #[derive(Law, Clone, Copy, Debug)]
+    #[law(reads(position: Position, velocity: Velocity, mass: Mass), reads(charge: Charge, optional), sets(force: Force))]
+    struct Everything<R: Real = f64> {
+        /// A factor.
+        #[law(unit = "1", default = 0.7)]
+        factor: R,
+    }
+
+    #[kernel]
+    impl<R: Real> RowLaw<R> for Everything<R> {
+        fn row(&self, row: EverythingRow<R>) -> R::Vec3 {
+            let (x, v) = (row.position, row.velocity);
+            let far = self.factor.less(x.length()) & !x.x().equal(v.x()) | v.y().less_or_equal(x.y());
+            let charge = row.charge.unwrap_or(R::lit(0.25));
+            let along = R::select_vector(far, x.cross(v) / row.mass, -x);
+            let least = x.y().abs().min(v.y().abs()).min(R::lit(f64::INFINITY));
+            R::Vec3::new(
+                along.x() - charge.over_root_cubed(row.mass),
+                along.y() + twice_the_larger(least, row.mass.rsqrt()),
+                R::select(R::lit(f64::NAN).equal(R::lit(f64::NAN)), R::lit(1.0), along.z()),
+            )
+        }
+    }
+
+    /// What devices compute in their own way.
+    #[derive(Law, Clone, Copy, Debug)]
+    #[law(reads(position: Position, mass: Mass), sets(force: Force))]
+    struct Functions;
+
+    #[kernel]
+    impl<R: Real> RowLaw<R> for Functions {
+        fn row(&self, row: FunctionsRow<R>) -> R::Vec3 {
+            let [x, y, z] = [row.position.x(), row.position.y(), row.position.z()];
+            R::Vec3::new(
+                // Negative numbers to whole powers.
+                x.powf(R::lit(3.0)) + y.powf(R::lit(-2.0)) + z.abs().powf(row.mass) + x.powf(R::lit(0.0)),
+                y.sin() * z.cos(),
+                x.exp() + row.mass.ln(),
+            )
+        }
+    }
+
+    /// A row that is corrected: what is read and amended is one buffer.
+    #[derive(Law, Clone, Copy, Debug)]
+    #[law(reads(position: Position), amends(corrected: Position))]
+    struct Fold;
+
+    #[kernel]
+    impl<R: Real> RowLaw<R> for Fold {
+        fn row(&self, row: FoldRow<R>) -> R::Vec3 {
+            R::Vec3::new(row.position.y(), row.position.x(), -row.position.z())
+        }
+    }
+
+    /// A pair law whose share depends on both rows.
+    #[derive(Law, Clone, Copy, Debug)]
+    #[law(reads(position: Position, charge: Charge), adds(force: Force))]
+    struct Attraction;
+
+    #[kernel]
+    impl<R: Real> PairLaw<R> for Attraction {
+        fn pair(&self, i: AttractionRow<R>, j: AttractionRow<R>) -> R::Vec3 {
+            let apart = j.position - i.position;
+            apart * ((i.charge * j.charge) / (apart.length_squared() + R::lit(0.1)))
+        }
+    }
+
+    property! {
+        /// A weight of a triangle.
+        Weight: Scalar, "1";
+    }
+
+    /// A link of three ends, each of which gets something else.
+    #[derive(Law, Clone, Copy, Debug)]
+    #[law(reads(weight: Weight), link(corners: Corners, reads(position: Position), adds(force: Force)))]
+    struct Triangle;
+
+    #[kernel]
+    impl<R: Real> LinkLaw<R, 3> for Triangle {
+        fn link(&self, row: TriangleRow<R>, ends: [TriangleEnd<R>; 3]) -> [R::Vec3; 3] {
+            let [a, b, c] = ends.map(|end| end.position);
+            [(b - a) * row.weight, (c - b) / row.weight, a.cross(c)]
+        }
+    }
+
+    fn same_bits<P: crate::real::Scalar>(device: &Device, law: &impl Compile, rows: usize) {
+        let found = compare(device, &law.compile::<P>(), rows).unwrap();
+        assert!(found.same == found.numbers && found.zeros * 2 < found.numbers, "{found:?}");
+    }
+
+    #[test]
+    fn bodies_give_the_bits_of_the_host() {
+        let Some(device) = device() else { return };
+        let law = Everything { factor: 0.7 };
+        same_bits::<f32>(&device, &law, 500);
+        same_bits::<f32>(&device, &Fold, 500);
+        same_bits::<f32>(&device, &Triangle, 500);
+        if device.has(Numbers::F64) {
+            same_bits::<f64>(&device, &law, 500);
+            same_bits::<f64>(&device, &Triangle, 500);
+        }
+    }
+
+    #[test]
+    fn sums_and_functions_are_near_those_of_the_host() {
+        let Some(device) = device() else { return };
+        let functions = compare(&device, &Functions.compile::<f32>(), 500).unwrap();
+        assert!(functions.largest < 1e-6, "{functions:?}");
+        for rows in [2, 63, 64, 65, 1000] {
+            let pairs = compare(&device, &Attraction.compile::<f32>(), rows).unwrap();
+            assert!(pairs.largest < 1e-6 && pairs.zeros == 0, "{rows}: {pairs:?}");
+        }
+    }
+
+    #[test]
+    fn f64_refuses_functions_that_devices_lack() {
+        let error = wgsl_of(&Functions.compile::<f64>()).unwrap_err().to_string();
+        assert!(error.contains("functions") && error.contains("f64 has no `") && error.contains("in f32"), "{error}");
+    }
+
+    #[test]
+    fn an_absent_value_is_no_buffer() {
+        let program = |there| Everything { factor: 0.7 }.compile::<f32>().program(there).unwrap();
+        let buffers = |there| program(there).layout.bindings.len();
+        assert_eq!(buffers(0) + 1, buffers(u64::MAX));
+    }
+
+    /// Whoever says something else than the text does is found.
+    #[test]
+    fn a_text_that_does_other_than_declared_is_refused() {
+        let program = |law: Compiled<f32>| law.program(u64::MAX).unwrap();
+        let (row, amends, link) =
+            (program(Everything { factor: 0.7 }.compile()), program(Fold.compile()), program(Triangle.compile()));
+        let declared = [
+            // What is read, declared to be written, and to be both; what is written, to be read, and both.
+            (&row, "position_in", Access::Write, "reads"),
+            (&row, "position_in", Access::Update, "does not write"),
+            (&row, "force_out", Access::Read, "writes"),
+            (&amends, "position_in", Access::Read, "writes"),
+            (&amends, "position_in", Access::Write, "reads"),
+            (&link, "force_end_sum", Access::Read, "writes"),
+            (&link, "force_end_sum", Access::Write, "reads"),
+            (&link, "weight_in", Access::Write, "reads"),
+        ];
+        for (program, name, access, words) in declared {
+            let mut wrong = program.clone();
+            let names: Vec<String> = wrong.layout.bindings.iter().map(|binding| binding.name.clone()).collect();
+            let binding = wrong.layout.bindings.iter_mut().find(|binding| binding.name.starts_with(name));
+            binding.unwrap_or_else(|| panic!("{name} is none of {names:?}")).access = access;
+            let error = check(&wrong).unwrap_err().to_string();
+            assert!(error.contains(words) && error.contains(name), "{error}");
+            check(program).unwrap();
+        }
+        // A buffer that nobody declared; a component that is not written; text that is no program.
+        for (from, to, words) in [
+            ("mass_in_2[row]", "mess_in[row]", "mess_in"),
+            ("force_out_4[row] =", "let nothing =", ""),
+            ("fn main", "fn mean(", "expected"),
+        ] {
+            let mut wrong = row.clone();
+            assert!(wrong.text.contains(from), "{}", wrong.text);
+            wrong.text = wrong.text.replace(from, to);
+            if words.is_empty() {
+                // Seen by nobody who reads the text: others of its components are written. Only a comparison finds it.
+                check(&wrong).unwrap();
+            } else {
+                assert!(check(&wrong).unwrap_err().to_string().contains(words));
+            }
+        }
+    }
+
+    /// Drivers that cut loops short give wrong sums without a word: Mesa before 25 ends them after 65 535 passes.
+    #[test]
+    fn the_device_counts_to_100_000() {
+        let Some(device) = device() else { return };
+        let text = "struct Call { rows: u32, }
+            var<immediate> call: Call;
+            @group(0) @binding(0) var<storage, read_write> counted: array<f32>;
+            @compute @workgroup_size(64)
+            fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+                var count = 0u;
+                for (var outer = 0u; outer < 2000u; outer = outer + call.rows) {
+                    for (var inner = 0u; inner < 50u; inner = inner + call.rows) {
+                        count = count + 1u;
+                    }
+                }
+                if id.x < call.rows { counted[id.x] = f32(count); }
+            }";
+        let layout = Layout {
+            bindings: vec![Binding { name: "counted".to_owned(), access: Access::Write }],
+            slots: vec![Slot::Output { binding: 0, component: 0, store: Store::Set }],
+        };
+        let program = Program {
+            text: text.to_owned(),
+            layout,
+            precision: Numbers::F32,
+            shape: Loop::Rows,
+            call: vec![Word::Rows],
+        };
+        check(&program).unwrap();
+        let prepared = device.prepare(program).unwrap();
+        let buffer = device.buffer(4);
+        let group = device.bind(&prepared, &[&buffer]);
+        let work = Work { prepared: &prepared, group: &group, call: 1u32.to_le_bytes().to_vec(), rows: 1 };
+        let mut counted = 0.0;
+        device
+            .run([work].into_iter(), &[(&buffer, 4)], |bytes| counted = f32::from_le_bytes(bytes.try_into().unwrap()))
+            .unwrap();
+        assert_eq!(counted, 100_000.0, "{} ends loops early: sums over many rows would be wrong", device.name());
+    }
 }
