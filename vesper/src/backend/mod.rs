@@ -2,7 +2,8 @@
 //!
 //! In: a law's body and pointers to columns. Out: kernels, one object for each law, whose body is compiled for one row
 //! at a time and for lanes, and chosen at run time. Every one of them gives the same bits: lanes round as scalars do,
-//! and the terms of a sum are added in the order of the rows; but for pair laws that allow estimates, and for far fields. Never: an order of laws, an integrator.
+//! and the terms of a sum are added in the order of the rows; but for pair laws that allow estimates, for far fields, and on
+//! graphics processors. Never: an order of laws, an integrator.
 
 mod column;
 mod dynamic;

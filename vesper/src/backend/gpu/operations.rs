@@ -51,18 +51,15 @@ impl Writer<'_> {
     }
 
     fn number(&self, text: &mut String, indent: usize, own: &str, value: f64) {
-        let (rounded, literal) = match self.precision {
-            Numbers::F32 => (f64::from(value as f32), format!("{:?}f", value as f32)),
-            Numbers::F64 => (value, format!("{value:?}lf")),
+        let (rounded, literal, suffix) = match self.precision {
+            Numbers::F32 => (f64::from(value as f32), format!("{:?}f", value as f32), "f"),
+            Numbers::F64 => (value, format!("{value:?}lf"), "lf"),
         };
         if rounded.is_finite() {
             return line!(text, indent, "let {own} = {literal};");
         }
         // There are no literals of these; nor may a constant expression have such a value.
-        let (suffix, above) = match self.precision {
-            Numbers::F32 => ("f", if rounded.is_nan() { 0 } else { 1 }),
-            Numbers::F64 => ("lf", if rounded.is_nan() { 0 } else { 1 }),
-        };
+        let above = u8::from(!rounded.is_nan());
         let sign = if rounded.is_sign_negative() { "-" } else { "" };
         line!(text, indent, "let zero_{own} = 0.0{suffix};");
         line!(text, indent, "let {own} = {sign}{above}.0{suffix} / zero_{own};");
