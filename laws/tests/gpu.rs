@@ -219,7 +219,10 @@ fn an_engine_runs_laws_on_the_device_as_on_the_host() {
                 println!("{name}: {}", reason.unwrap_or_default().trim());
             }
             assert!(ran || text.contains("not on the graphics processor: "), "{name}: {text}");
-            assert!(!ran || text.contains("on the graphics processor: ") && text.contains(" bytes"), "{name}: {text}");
+            assert!(!ran || text.contains("on the graphics processor: "), "{name}: {text}");
+            let foreseen =
+                [" bytes to the host: ", "depends on the numbers"].into_iter().any(|words| text.contains(words));
+            assert!(!ran || foreseen, "{name}: {text}");
         }
     }
     assert!(on_device >= 2 * 17, "{on_device}");

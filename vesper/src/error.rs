@@ -214,6 +214,11 @@ pub enum Fault {
     #[error("backend gpu is asked for, but vesper was built without the feature `gpu`: turn it on, or ask for cpu")]
     NoGpu,
     #[error(
+        "the graphics processor is gone, and with it numbers that only it had ({reason}): they are NaN now. Go on from a checkpoint, or \
+         set them anew; laws run on the host from here on"
+    )]
+    DeviceLost { reason: String },
+    #[error(
         "{integrator} finds no step that meets its tolerance at {time:e} s, down to {step:e} s: look at what is close to \
          infinite there, allow a larger error, or take an integrator of fixed steps"
     )]

@@ -5,10 +5,14 @@
 //! vectors); lent ones stay as the client has them. Never: a law, a unit conversion.
 
 mod aligned;
+mod away;
 mod lent;
 mod values;
 
 pub(crate) use aligned::{Aligned, Block, is_long, staggered, whole};
+pub(crate) use away::Away;
+#[cfg(feature = "gpu")]
+pub(crate) use away::Elsewhere;
 pub(crate) use lent::LentMemory;
 pub use lent::{Lent, Memory, RawRows};
 pub use values::Values;
@@ -19,8 +23,9 @@ use crate::real::Scalar;
 use std::sync::Arc;
 
 /// One property on one domain.
-#[derive(Clone, Debug)]
 pub struct Column<P: Scalar> {
+    /// Who has newer numbers elsewhere, where somebody may. First, so that who it is forgets the numbers before they go.
+    pub(crate) away: Option<Away>,
     pub(crate) info: PropertyInfo,
     pub(crate) storage: Storage<P>,
     /// The rows that have a value, ascending; `None` where all have.
@@ -54,11 +59,49 @@ impl<P: Scalar> core::fmt::Debug for Storage<P> {
     }
 }
 
+impl<P: Scalar> Clone for Column<P> {
+    fn clone(&self) -> Self {
+        self.bring();
+        let Column { info, given, shown, .. } = *self;
+        Column { away: None, info, storage: self.storage.clone(), subset: self.subset.clone(), given, shown }
+    }
+}
+
+impl<P: Scalar> core::fmt::Debug for Column<P> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        self.bring();
+        let mut column = f.debug_struct("Column");
+        column.field("info", &self.info).field("storage", &self.storage).field("subset", &self.subset);
+        column.field("given", &self.given).field("shown", &self.shown).finish()
+    }
+}
+
 impl<P: Scalar> Column<P> {
+    /// Its numbers are to be looked at.
+    #[inline]
+    fn bring(&self) {
+        if let Some(away) = &self.away {
+            away.bring();
+        }
+    }
+
+    /// Its numbers are to be changed.
+    #[inline]
+    fn hand_over(&self) {
+        if let Some(away) = &self.away {
+            away.hand_over();
+        }
+    }
+
+    /// Whether newer numbers are elsewhere.
+    pub(crate) fn is_away(&self) -> bool {
+        self.away.as_ref().is_some_and(Away::is_stale)
+    }
+
     /// A column of zeros that the framework makes for a law's results.
     pub(crate) fn computed(info: PropertyInfo, rows: usize, stream: usize) -> Self {
         let components = (0..info.kind.width()).map(|c| Aligned::zeros(rows, stream + c)).collect();
-        Column { info, storage: Storage::Split(components), subset: None, given: false, shown: false }
+        Column { away: None, info, storage: Storage::Split(components), subset: None, given: false, shown: false }
     }
 
     /// The property.
@@ -97,6 +140,7 @@ impl<P: Scalar> Column<P> {
 
     /// The arrays of the components (x, y, z), where the column is owned and holds numbers.
     pub fn components(&self) -> Option<Vec<&[P]>> {
+        self.bring();
         match &self.storage {
             Storage::Split(components) => Some(components.iter().map(Aligned::as_slice).collect()),
             Storage::Lent(_) | Storage::Link { .. } => None,
@@ -113,6 +157,7 @@ impl<P: Scalar> Column<P> {
 
     /// Number `component` of value `index` (of the subset, where there is one). 0 for a link.
     pub(crate) fn number(&self, index: usize, component: usize) -> P {
+        self.bring();
         match &self.storage {
             Storage::Split(components) => components[component].as_slice()[index],
             Storage::Lent(memory) => memory.get(index, component),
@@ -122,6 +167,7 @@ impl<P: Scalar> Column<P> {
 
     #[inline]
     pub(crate) fn set_number(&mut self, index: usize, component: usize, value: P) {
+        self.hand_over();
         match &mut self.storage {
             Storage::Split(components) => components[component].as_mut_slice()[index] = value,
             Storage::Lent(memory) => memory.set(index, component, value),
@@ -158,6 +204,7 @@ impl<P: Scalar> Column<P> {
 
     /// Adds values: `width` numbers each.
     pub(crate) fn extend(&mut self, domain: &str, numbers: &[P]) -> Result<(), Fault> {
+        self.hand_over();
         match &mut self.storage {
             Storage::Split(components) => {
                 let width = components.len();
@@ -183,6 +230,7 @@ impl<P: Scalar> Column<P> {
             None => keep.to_vec(),
             Some(rows) => rows.iter().map(|&row| keep[row as usize]).collect(),
         };
+        self.hand_over();
         match &mut self.storage {
             Storage::Split(components) => {
                 for component in components {
@@ -231,6 +279,7 @@ impl<P: Scalar> core::ops::Deref for ColumnMut<'_, P> {
 impl<'a, P: Scalar> ColumnMut<'a, P> {
     /// The arrays of the components (x, y, z), where the column is owned and holds numbers.
     pub fn components_mut(self) -> Option<Vec<&'a mut [P]>> {
+        self.0.hand_over();
         match &mut self.0.storage {
             Storage::Split(components) => Some(components.iter_mut().map(Aligned::as_mut_slice).collect()),
             Storage::Lent(_) | Storage::Link { .. } => None,

@@ -1,4 +1,4 @@
-//! Finds numbers that are no numbers any more, once a frame; and, where that is asked for, the step and the first law
+//! Finds numbers that are no numbers any more, once a frame, of those on a device when they come back; and, where that is asked for, the step and the first law
 //! that made one.
 
 use super::{Engine, with_runner};
@@ -23,6 +23,10 @@ pub(super) fn check<P: Scalar>(
         let known = &pipeline.registry.quantities[moved.quantity];
         let domain = &state.domains()[known.domain];
         let Some(column) = domain.find(known.info.name).map(|at| &domain.columns[at]) else { continue };
+        // What is on a device is looked at when it comes back.
+        if column.is_away() {
+            continue;
+        }
         let Some((index, value)) = first_bad(column, known.info.kind.width(), isa) else { continue };
         let row = column.subset().map_or(index, |rows| rows[index] as usize);
         faults.push(Fault::BlowUp {
@@ -124,6 +128,7 @@ impl<P: Scalar> Engine<P> {
     /// Keeps the state as it is.
     pub(super) fn keep(&mut self) -> Result<(), Faults> {
         let Some(kept) = &mut self.kept else { return Ok(()) };
+        self.pipeline.come_home(false);
         let moved = &self.pipeline.vectors.states;
         kept.states.resize_with(moved.len(), Vec::new);
         for (numbers, moved) in kept.states.iter_mut().zip(moved) {
@@ -145,6 +150,7 @@ impl<P: Scalar> Engine<P> {
     /// Takes the state back to what was kept.
     fn go_back(&mut self, steps: u64) {
         let Some(kept) = &self.kept else { return };
+        self.pipeline.come_home(true);
         for (numbers, moved) in kept.states.iter().zip(&self.pipeline.vectors.states) {
             let known = &self.pipeline.registry.quantities[moved.quantity];
             let domain = &mut self.state.domains[known.domain];

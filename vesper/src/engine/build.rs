@@ -386,7 +386,7 @@ impl<P: Scalar> Builder<P> {
         }
         let machine = Machine { estimates: self.estimates, ..machine(self.threads, self.isa, &mut faults) };
         #[cfg(feature = "gpu")]
-        let machine = Machine { device: super::machine::device(&self.laws), ..machine };
+        let machine = Machine { device: super::device::device(&self.laws), ..machine };
         let origin = self.moving_origin.map(|property| Origin::amid(property, &mut self.domains)).transpose();
         let origin = origin.unwrap_or_else(|fault| {
             faults.push(fault);
@@ -440,6 +440,8 @@ impl<P: Scalar> Builder<P> {
             kept: None,
         };
         engine.let_origin_move()?;
+        #[cfg(feature = "gpu")]
+        engine.foresee();
         engine.observe()?;
         Ok(engine)
     }

@@ -77,6 +77,7 @@ impl<P: Scalar> Engine<P> {
         for domain in self.state.domains() {
             domain.columns().iter().try_for_each(|column| column.free(&domain.name, false))?;
         }
+        self.pipeline.come_home(false);
         let vectors = &self.pipeline.vectors;
         let numbers = |array: &Aligned<P>| told(array.as_slice().iter().copied());
         Ok(Checkpoint {

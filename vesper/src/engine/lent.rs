@@ -22,9 +22,15 @@ pub(super) fn with_runner<P: Scalar, T>(
     let mut addresses = [core::ptr::null_mut(); MAX_LENT];
     hold(state, 0, &mut addresses, &mut |lent| {
         if let Some(work) = work.take() {
-            result = Some(work(&mut Runner::new(pipeline, state, (laws, chains, machine), lent, (time, step))));
+            let mut runner = Runner::new(pipeline, state, (laws, chains, machine), lent, (time, step));
+            result = Some(work(&mut runner));
+            runner.end();
         }
     })?;
+    #[cfg(feature = "gpu")]
+    if let Some(reason) = pipeline.loss() {
+        return Err(Fault::DeviceLost { reason }.into());
+    }
     // `hold` either ran the closure or gave a fault.
     result.ok_or_else(|| Fault::Borrowed { domain: "scene".to_owned(), property: "time".to_owned() }.into())
 }

@@ -6,6 +6,8 @@
 mod blow_up;
 mod build;
 mod checkpoint;
+#[cfg(feature = "gpu")]
+mod device;
 mod lent;
 mod machine;
 mod origin;
@@ -247,6 +249,8 @@ impl<P: Scalar> Engine<P> {
     /// Follows what the client changed since the last step.
     #[inline]
     fn prepare(&mut self) -> Result<(), Faults> {
+        #[cfg(feature = "gpu")]
+        self.look_after_device()?;
         if self.stale || self.pipeline.layout != self.state.layout() {
             self.rebuild()?;
         }
@@ -296,6 +300,7 @@ impl<P: Scalar> Engine<P> {
     }
 
     fn rebuild(&mut self) -> Result<(), Faults> {
+        self.pipeline.come_home(true);
         let before = core::mem::take(&mut self.pipeline.registry.report);
         let rebuilt = Pipeline::new(
             &self.laws,
@@ -323,6 +328,8 @@ impl<P: Scalar> Engine<P> {
             }
         }
         build::log_changes(&before, &self.pipeline.registry.report);
+        #[cfg(feature = "gpu")]
+        self.foresee();
         self.integrator.restart();
         self.stale = false;
         Ok(())

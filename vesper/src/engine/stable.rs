@@ -44,6 +44,10 @@ impl<P: Scalar> Engine<P> {
         if self.pipeline.tangent.is_none() {
             self.pipeline.tangent = Some(Box::new(Tangent::new(&self.pipeline, &self.laws, &self.state)));
         }
+        // What is looked at here is the host's.
+        self.pipeline.come_home(true);
+        #[cfg(feature = "gpu")]
+        let residency = self.pipeline.residency.take();
         // Vectors of its own: those of the integrator, and what it remembers in them, stay as they are.
         let more = Vectors::new(&self.pipeline, &self.state, vectors, (false, false, false));
         let kept = core::mem::replace(&mut self.pipeline.vectors, more);
@@ -55,6 +59,10 @@ impl<P: Scalar> Engine<P> {
             work(runner)
         });
         self.pipeline.vectors = kept;
+        #[cfg(feature = "gpu")]
+        {
+            self.pipeline.residency = residency;
+        }
         if !self.integrator.needs_derivatives() {
             self.pipeline.tangent = None;
         }

@@ -93,6 +93,9 @@ pub(crate) struct BoundPass<P: Scalar> {
     pub(crate) pass: Pass<P>,
     /// The laws that run in it, for `explain`.
     pub(crate) laws: Vec<usize>,
+    /// What it touches on the host, of what could be on a device.
+    #[cfg(feature = "gpu")]
+    pub(crate) touches: Vec<super::device::Touch>,
     /// Why it is not on the device that it was asked for.
     pub(crate) refused: Option<String>,
 }
@@ -251,7 +254,15 @@ impl<P: Scalar> Binder<'_, P> {
         let (pass, refused) = self.on_device(pass, ops);
         #[cfg(not(feature = "gpu"))]
         let refused = None;
-        Some(BoundPass { every: first.every, fills, pass, laws, refused })
+        Some(BoundPass {
+            every: first.every,
+            fills,
+            #[cfg(feature = "gpu")]
+            touches: if let Pass::Device(_) = pass { Vec::new() } else { self.touched(ops) },
+            pass,
+            laws,
+            refused,
+        })
     }
 
     fn group(&self, ops: &[Placed]) -> Option<Group<P>> {

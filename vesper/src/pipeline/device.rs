@@ -1,48 +1,42 @@
-//! A pass on a graphics processor.
+//! Passes on a graphics processor, and where their columns are.
 //!
-//! In: the operations of a pass, where columns are, a device. Out: the same results in the same columns: what the pass reads is brought to
-//! the device, its laws run there one after the other, and what they wrote comes back. Never: a law that the device cannot run; then the
-//! pass stays on the host, and says why. A device that is lost on the way changes nothing but where the pass runs: the host's pass stands
-//! by, and its columns are whole.
+//! In: the operations of a pass, where columns are, a device. Out: the same results in the same columns, wherever somebody looks for them:
+//! what a pass reads is brought to the device if it is not there, its laws run there one after the other, and what they wrote stays until
+//! somebody on the host needs it ([`Residency`]). Never: a law that the device cannot run; then the pass stays on the host, and says why.
+//! The host's pass stands by for a device that is lost.
 
 mod build;
+mod foresight;
+mod ledger;
+mod residency;
+mod vectors;
 
-use super::bind::{Base, Located, Pass};
-use super::run::Context;
-use crate::backend::gpu::{BindGroup, Buffer, Device, Prepared, Word, Work};
+pub(crate) use foresight::Foresight;
+pub(crate) use ledger::Touch;
+pub(crate) use residency::{Residency, Shared, What, lock};
+pub(crate) use vectors::Left;
+
+use super::bind::{Base, BoundPass, Pass};
+use super::run::{Context, Runner};
+use super::{Machine, Pipeline};
+use crate::backend::gpu::{Access, BindGroup, Buffer, Prepared, Transfers, Word, Work};
+use crate::integrate::Combination;
 use crate::real::Scalar;
 use crate::registry::QuantityId;
+use crate::state::State;
 use std::sync::{Arc, Mutex};
 
 /// A pass, ready to run on a device.
 pub(crate) struct DevicePass<P: Scalar> {
     /// The same on the host.
     pub(super) host: Box<Pass<P>>,
-    device: Arc<Device>,
-    columns: Vec<Column<P>>,
+    /// What the host's pass touches.
+    pub(super) on_host: Vec<Touch>,
+    /// What it touches on the device.
+    pub(super) touches: Vec<Touch>,
+    /// Constants that it looks at, on the host: they come with the call.
+    pub(super) constants: Vec<Touch>,
     calls: Vec<Call<P>>,
-}
-
-/// Numbers that have a place on the device.
-struct Column<P> {
-    what: What,
-    /// Where its components are on the host.
-    components: Vec<Located<P>>,
-    buffer: Buffer,
-    /// Whether a law of the pass looks at what was there before the pass.
-    brought: bool,
-    /// Whether a law of the pass writes it.
-    taken: bool,
-}
-
-/// What a column is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum What {
-    Quantity(QuantityId),
-    Rate(QuantityId),
-    Turned(QuantityId),
-    Previous(QuantityId),
-    Held(usize, usize),
 }
 
 /// A program of the pass.
@@ -51,8 +45,8 @@ struct Call<P> {
     law: Option<usize>,
     prepared: Arc<Prepared>,
     group: BindGroup,
-    /// By binding.
-    columns: Vec<usize>,
+    /// How far apart the components of each binding are.
+    strides: Vec<u32>,
     /// Links and the rows that they end at.
     _lists: Vec<Buffer>,
     /// The constants, by slot.
@@ -69,129 +63,47 @@ enum Constant<P> {
     At(Base<P>),
 }
 
-/// Where the columns of a pipeline are on the device, by what they are.
-pub(super) type Buffers = Mutex<Vec<(What, Buffer)>>;
-
 impl<P: Scalar> DevicePass<P> {
-    /// What each run of the pass moves, for people.
-    pub(super) fn moved(&self, name: impl Fn(QuantityId) -> &'static str) -> String {
-        let way = |moves: fn(&Column<P>) -> bool, does: &str| {
-            let columns: Vec<&Column<P>> = self.columns.iter().filter(|column| moves(column)).collect();
-            let names: Vec<String> = columns
-                .iter()
-                .map(|column| match column.what {
-                    What::Quantity(id) => name(id).to_owned(),
-                    What::Rate(id) => format!("rate of {}", name(id)),
-                    What::Turned(id) => format!("turn of {}", name(id)),
-                    What::Previous(id) => format!("previous {}", name(id)),
-                    What::Held(..) => "held shares".to_owned(),
-                })
-                .collect();
-            let bytes: usize = columns.iter().map(|column| column.bytes()).sum();
-            format!("{does} {}, {bytes} bytes", if names.is_empty() { "nothing".to_owned() } else { names.join(", ") })
-        };
-        format!("{}; {}", way(|column| column.brought, "brings"), way(|column| column.taken, "takes back"))
-    }
-
-    /// Whether the device no longer answers.
-    pub(super) fn is_lost(&self) -> bool {
-        self.device.is_lost()
-    }
-
-    /// Runs the pass on the device; false where the host has to, and nothing has changed.
-    pub(super) fn run(&mut self, context: &Context<'_, P>) -> bool {
+    /// Runs the pass on the device; false where the host has to: its columns are there then.
+    pub(super) fn run(&self, context: &Context<'_, P>) -> bool {
+        let Some(shared) = &context.residency else { return false };
+        let mut residency = lock(shared);
         // Whoever looks for the first law that gives no number looks after each of them, and so does the host.
-        if self.device.is_lost() || context.is_watched() {
+        if residency.is_lost() || context.is_watched() {
+            residency.on_host(&self.on_host, context.lent);
             return false;
         }
-        let DevicePass { device, columns, calls, .. } = self;
-        for column in columns.iter().filter(|column| column.brought) {
-            column.bring(device, context.lent);
+        if !self.constants.is_empty() {
+            residency.on_host(&self.constants, context.lent);
         }
-        let works = calls.iter().map(|call| Work {
-            prepared: &call.prepared,
-            group: &call.group,
-            call: call.words(columns, context),
-            rows: call.rows,
-        });
-        let back: Vec<(&Buffer, usize)> =
-            columns.iter().filter(|column| column.taken).map(|column| (&column.buffer, column.bytes())).collect();
-        let first = calls.iter().find_map(|call| call.law).unwrap_or_default();
-        let mut done = Ok(());
+        residency.on_device(&self.touches, context.lent);
+        let first = self.calls.iter().find_map(|call| call.law).unwrap_or_default();
         context.timed(first, || {
-            done = device.run(works, &back, |mut bytes| {
-                for column in columns.iter().filter(|column| column.taken) {
-                    let (own, rest) = bytes.split_at(column.bytes());
-                    column.take(own, context.lent);
-                    bytes = rest;
-                }
-            });
+            for call in &self.calls {
+                let (prepared, group) = (&call.prepared, &call.group);
+                residency.record(&Work { prepared, group, call: call.words(context), rows: call.rows });
+            }
+            if !context.is_unwatched() {
+                // Who takes the time of laws wants that of their work, not of its recording.
+                residency.finish();
+            }
         });
-        if let Err(fault) = &done {
-            log::warn!("{fault}: its laws go on on the host");
-            device.give_up(fault.clone());
-            return false;
-        }
         true
     }
 }
 
-impl<P: Scalar> Column<P> {
-    fn bytes(&self) -> usize {
-        self.components.iter().map(|located| located.len * size_of::<P>()).sum()
-    }
-
-    /// Brings the numbers to the device.
-    fn bring(&self, device: &Device, lent: &[*mut P]) {
-        let mut at = 0;
-        let mut packed = Vec::new();
-        for located in &self.components {
-            let start = located.base.resolve(lent);
-            let numbers = if located.stride == 1 {
-                // SAFETY: the runner holds the state, where the component has so many numbers.
-                unsafe { core::slice::from_raw_parts(start, located.len) }
-            } else {
-                packed.clear();
-                // SAFETY: as above, so far apart.
-                packed.extend((0..located.len).map(|row| unsafe { *start.add(row * located.stride) }));
-                &packed
-            };
-            // SAFETY: programs are of f32 and f64 only, in which every byte is there and is a number's.
-            let bytes = unsafe { core::slice::from_raw_parts(numbers.as_ptr().cast::<u8>(), size_of_val(numbers)) };
-            device.write(&self.buffer, at, bytes);
-            at += bytes.len() as u64;
-        }
-    }
-
-    /// Takes the numbers from bytes that came from the device.
-    fn take(&self, mut bytes: &[u8], lent: &[*mut P]) {
-        for located in &self.components {
-            let start = located.base.resolve(lent);
-            let (own, rest) = bytes.split_at(located.len * size_of::<P>());
-            bytes = rest;
-            if located.stride == 1 {
-                // SAFETY: the runner holds the state, where the component has so many numbers, of f32 or f64: any bytes are some.
-                unsafe { start.cast::<u8>().copy_from_nonoverlapping(own.as_ptr(), own.len()) };
-            } else {
-                for (row, own) in own.chunks_exact(size_of::<P>()).enumerate() {
-                    // SAFETY: as above, so far apart.
-                    unsafe {
-                        start.add(row * located.stride).cast::<u8>().copy_from_nonoverlapping(own.as_ptr(), own.len())
-                    };
-                }
-            }
-        }
+/// Appends a number as devices have it.
+fn number<P: Scalar>(bytes: &mut Vec<u8>, number: P) {
+    match size_of::<P>() {
+        4 => bytes.extend((number.to_f64() as f32).to_le_bytes()),
+        _ => bytes.extend(number.to_f64().to_le_bytes()),
     }
 }
 
 impl<P: Scalar> Call<P> {
     /// What comes with the call.
-    fn words(&self, columns: &[Column<P>], context: &Context<'_, P>) -> Vec<u8> {
+    fn words(&self, context: &Context<'_, P>) -> Vec<u8> {
         let mut bytes = Vec::new();
-        let number = |bytes: &mut Vec<u8>, number: P| match size_of::<P>() {
-            4 => bytes.extend((number.to_f64() as f32).to_le_bytes()),
-            _ => bytes.extend(number.to_f64().to_le_bytes()),
-        };
         for word in &self.prepared.program.call {
             match *word {
                 Word::Constant(slot) => {
@@ -208,13 +120,121 @@ impl<P: Scalar> Call<P> {
                 }
                 Word::Step => number(&mut bytes, self.advance.map_or(P::default(), |stage| context.steps[stage])),
                 Word::Rows => bytes.extend(self.rows.to_le_bytes()),
-                Word::Stride(binding) => {
-                    let rows = columns[self.columns[binding]].components[0].len as u32;
-                    bytes.extend(rows.to_le_bytes());
-                }
+                Word::Stride(binding) => bytes.extend(self.strides[binding].to_le_bytes()),
             }
         }
         bytes.resize(self.prepared.program.call_bytes() as usize, 0);
         bytes
+    }
+}
+
+/// Where columns are, if laws may run on a device.
+pub(super) fn residency<P: Scalar>(machine: &Machine) -> Option<Shared<P>> {
+    let device = machine.device.as_ref()?.as_ref().ok()?;
+    Some(Arc::new(Mutex::new(Residency::new(Arc::clone(device)))))
+}
+
+impl<P: Scalar> Context<'_, P> {
+    /// Something on the host is about to touch these columns.
+    pub(super) fn bring(&self, touches: &[Touch]) {
+        if let Some(residency) = self.residency.as_ref().filter(|_| !touches.is_empty()) {
+            lock(residency).on_host(touches, self.lent);
+        }
+    }
+}
+
+impl<P: Scalar> Runner<'_, P> {
+    /// Sums vectors that are on a device; whether nothing is left for the host.
+    pub(super) fn linear_on_device(&mut self, combination: &Combination<'_>) -> bool {
+        let Some(residency) = &self.context.residency else { return false };
+        let vectors = &self.pipeline.vectors;
+        match lock(residency).linear(vectors, combination, self.context.lent) {
+            Left::Nothing => true,
+            Left::All => false,
+            Left::Others => {
+                // SAFETY: `Runner` is only made for a state with the layout that the vectors were made for, held exclusively.
+                unsafe { vectors.linear_on_host(combination, self.context.lent, self.context.isa) };
+                true
+            }
+        }
+    }
+}
+
+impl<P: Scalar> Pipeline<P> {
+    /// Lets columns go where they are needed: states whose rates are given on the device have their vectors there, and columns of the state
+    /// know whom to ask for their numbers.
+    pub(super) fn let_go(&mut self, state: &mut State<P>) {
+        let Some(shared) = &self.residency else { return };
+        let passes = || self.programs.iter().flat_map(|program| &program.passes);
+        let mut residency = lock(shared);
+        let written = |residency: &Residency<P>, what: What| {
+            let column = residency.find(what)?;
+            let writes = |touch: &Touch| touch.column == column && touch.access != Access::Read;
+            let on_device =
+                |pass: &BoundPass<P>| matches!(&pass.pass, Pass::Device(pass) if pass.touches.iter().any(writes));
+            passes().any(on_device).then_some(())
+        };
+        // Rounding errors are kept on the host, beside the state that they are of.
+        for number in (0..self.vectors.states.len()).filter(|_| !self.vectors.compensated) {
+            let quantity = self.vectors.states[number].quantity;
+            if written(&residency, What::Rate(quantity)).is_some() {
+                self.vectors.states[number].on_device = residency.has_room(&self.vectors, number);
+            }
+        }
+        let states = self.states();
+        for id in 0..self.registry.quantities.len() {
+            if self.registry.quantities[id].given || states.contains(&id) {
+                residency.cannot_be_made_again(What::Quantity(id));
+            }
+            residency.cannot_be_made_again(What::Previous(id));
+        }
+        for (seat, shares) in &self.vectors.held {
+            shares.iter().for_each(|(slot, _)| residency.cannot_be_made_again(What::Held(*seat, *slot)));
+        }
+        drop(residency);
+        for (index, domain) in state.domains.iter_mut().enumerate() {
+            let whats = [What::Quantity as fn(QuantityId) -> What, What::Previous];
+            for (columns, what) in [&mut domain.columns, &mut domain.previous].into_iter().zip(whats) {
+                for column in columns {
+                    let id = self.registry.find(index, column.info.name);
+                    column.away = id.and_then(|id| Residency::away(shared, what(id)));
+                }
+            }
+        }
+    }
+
+    /// What frames move, for people.
+    pub(super) fn moves(&self, state: &State<P>) -> Vec<String> {
+        let passes = || self.programs.iter().flat_map(|program| &program.passes);
+        if !passes().any(|pass| matches!(pass.pass, Pass::Device(_))) {
+            return Vec::new();
+        }
+        let name = |id| self.registry.name(id, state);
+        let what = |what| match what {
+            What::Quantity(id) => name(id),
+            What::Rate(id) => format!("rate of {}", name(id)),
+            What::Turned(id) => format!("turn of {}", name(id)),
+            What::Previous(id) => format!("previous {}", name(id)),
+            What::Held(..) => "held shares".to_owned(),
+            What::Work(number, id) => format!("{} in vector {number}", name(id)),
+        };
+        let unforeseen = || vec!["what moves in a frame depends on the numbers".to_owned()];
+        let law = |law: usize| self.entries[law].label().to_owned();
+        self.foresight.as_ref().map_or_else(unforeseen, |foresight| foresight.told(what, law))
+    }
+
+    /// What was moved so far.
+    pub(crate) fn transfers(&self) -> Transfers {
+        self.residency.as_ref().map_or_else(Transfers::default, |residency| lock(residency).moved())
+    }
+
+    /// Whether the device was lost since this was last asked.
+    pub(crate) fn look_for_loss(&self) -> bool {
+        self.residency.as_ref().is_some_and(|residency| lock(residency).look_for_loss())
+    }
+
+    /// Why numbers were lost with a device, where that is so and nobody was told.
+    pub(crate) fn loss(&self) -> Option<String> {
+        lock(self.residency.as_ref()?).loss()
     }
 }

@@ -60,6 +60,8 @@ impl<P: Scalar> Pipeline<P> {
                 }
             }
         }
+        #[cfg(feature = "gpu")]
+        self.moves(state).into_iter().for_each(&mut line);
         for law in &self.registry.report.laws {
             if !matches!(law.status, Status::Active { .. }) {
                 line(law.to_string());
@@ -89,7 +91,8 @@ impl<P: Scalar> Pipeline<P> {
     #[cfg(feature = "gpu")]
     pub(crate) fn is_on_device(&self, law: usize) -> bool {
         let mut passes = self.programs.iter().flat_map(|program| &program.passes);
-        passes.any(|pass| pass.laws.contains(&law) && matches!(&pass.pass, Pass::Device(pass) if !pass.is_lost()))
+        passes.any(|pass| pass.laws.contains(&law) && matches!(&pass.pass, Pass::Device(_)))
+            && self.residency.as_ref().is_some_and(|residency| !super::device::lock(residency).is_lost())
     }
 
     fn described(&self, seat: &Seat, state: &State<P>) -> String {
@@ -134,10 +137,7 @@ impl<P: Scalar> Pipeline<P> {
         let threads = |threads: usize| if threads > 1 { format!(", {threads} threads") } else { String::new() };
         match &pass.pass {
             #[cfg(feature = "gpu")]
-            Pass::Device(pass) => format!(
-                "on the graphics processor: {laws} ({})",
-                pass.moved(|id| self.registry.quantities[id].info.name)
-            ),
+            Pass::Device(_) => format!("on the graphics processor: {laws}"),
             Pass::Group(group) => {
                 let loops = if group.fused { "one loop composed at compile time" } else { "block by block" };
                 let laws = if laws.is_empty() { "start of sums".to_owned() } else { laws };

@@ -1,7 +1,7 @@
 //! Sums of vectors: what integrators are written in. In: registers. Out: arrays of numbers that are summed. Never: a sum.
 
 use super::sum::{Sum, TERMS};
-use super::vectors::{Component, Vectors};
+use super::vectors::{Component, StateProperty, Vectors};
 use crate::integrate::{Combination, Register, Terms};
 use crate::law::Part;
 use crate::real::{Isa, Scalar};
@@ -25,8 +25,29 @@ impl<P: Scalar> Vectors<P> {
             match (self.span(part), self.vector(Register::State), self.image()) {
                 (Some(span), Some(_), _) => self.in_one(combination, span, isa),
                 (Some(span), None, Some(image)) => self.by_image(combination, (span, image), lent, isa),
-                _ => self.by_component(combination, lent, isa),
+                _ => self.by_component(combination, self.part(part), lent, isa),
             }
+        }
+    }
+
+    /// Sums the vectors of those states that no device has.
+    ///
+    /// # Safety
+    /// As for [`Vectors::linear`].
+    #[cfg(feature = "gpu")]
+    pub(crate) unsafe fn linear_on_host(&self, combination: &Combination<'_>, lent: &[*mut P], isa: Isa) {
+        let (mut left, mut adds) = ((combination.momenta, combination.terms), combination.adds);
+        loop {
+            let (momenta, momenta_left) = left.0.split_at(TERMS);
+            let (terms, terms_left) = left.1.split_at(TERMS - momenta.len());
+            let now = Combination { adds, terms, momenta, ..*combination };
+            let states = self.part(combination.part).filter(|(_, state)| !state.on_device);
+            // SAFETY: passed on to the caller.
+            unsafe { self.by_component(&now, states, lent, isa) };
+            if momenta_left.len() + terms_left.len() == 0 {
+                return;
+            }
+            (left, adds) = ((momenta_left, terms_left), true);
         }
     }
 
@@ -60,7 +81,7 @@ impl<P: Scalar> Vectors<P> {
             let whole = [(1.0, from)];
             let copy = Combination { to, adds: false, part, terms: Terms::of(&whole), momenta: Terms::NONE };
             // SAFETY: passed on to the caller.
-            return unsafe { self.by_component(&copy, lent, isa) };
+            return unsafe { self.by_component(&copy, self.part(part), lent, isa) };
         };
         if to == Register::State {
             self.look_at_errors(span.clone());
@@ -187,11 +208,17 @@ impl<P: Scalar> Vectors<P> {
     /// # Safety
     /// As for [`Vectors::linear`].
     #[inline(never)]
-    unsafe fn by_component(&self, combination: &Combination<'_>, lent: &[*mut P], isa: Isa) {
-        let Combination { to, adds, part, terms, momenta } = *combination;
+    unsafe fn by_component<'a>(
+        &'a self,
+        combination: &Combination<'_>,
+        states: impl Iterator<Item = (usize, &'a StateProperty<P>)>,
+        lent: &[*mut P],
+        isa: Isa,
+    ) {
+        let Combination { to, adds, part: _, terms, momenta } = *combination;
         let errors = if to == Register::State && adds { self.carry() } else { None };
         let behind = self.momentum_behind.unwrap_or(0);
-        for (_, state) in self.part(part) {
+        for (_, state) in states {
             for (number, component) in state.components.iter().enumerate() {
                 let of_momenta = |from: Register| match self.vector(from) {
                     Some(start) => (start.wrapping_add(component.at + behind), 1),

@@ -52,6 +52,7 @@ fn product<P: Scalar>(a: &[P], b: &[P]) -> f64 {
 impl<P: Scalar> Linearised for Runner<'_, P> {
     fn derivative(&mut self, to: Register, along: Register) {
         self.derivatives += 1;
+        self.come_home(true);
         let super::Pipeline { tangent, vectors, .. } = &mut *self.pipeline;
         let tangent = tangent.as_mut().expect("an integrator that asks for derivatives says needs_derivatives");
         tangent.along().copy_from_slice(vectors.numbers(along));
@@ -61,12 +62,14 @@ impl<P: Scalar> Linearised for Runner<'_, P> {
     }
 
     fn dot(&self, a: Register, b: Register, part: Part, weights: &[f64]) -> f64 {
+        self.come_home(false);
         let vectors = &self.pipeline.vectors;
         let (a, b) = (vectors.numbers(a), vectors.numbers(b));
         vectors.ranges(part).map(|(state, range)| weights[state] * product(&a[range.clone()], &b[range])).sum()
     }
 
     fn scatter(&mut self, to: Register, scales: &[f64]) {
+        self.come_home(true);
         let vectors = &mut self.pipeline.vectors;
         let ranges: Vec<(usize, Range<usize>)> = vectors.ranges(Part::All).collect();
         let numbers = vectors.numbers_mut(to);

@@ -50,7 +50,7 @@ use crate::backend::{Compiled, Kernel};
 use crate::error::{Fault, Faults, PairWord};
 use crate::graph::Graph;
 use crate::integrate::{Integrator, Structure};
-use crate::law::{Mode, Shape};
+use crate::law::{Mode, Part, Shape};
 use crate::property::{Kind, PropertyInfo, Role};
 use crate::real::{Isa, Scalar};
 use crate::registry::{Entry, QuantityId, Registry, Tie};
@@ -133,9 +133,12 @@ pub(crate) struct Pipeline<P: Scalar> {
     pub(crate) observes: bool,
     /// Whether columns are the client's memory.
     pub(crate) lends: bool,
-    /// Columns on the graphics processor.
+    /// Where columns are, if some can be on a graphics processor.
     #[cfg(feature = "gpu")]
-    buffers: device::Buffers,
+    pub(crate) residency: Option<device::Shared<P>>,
+    /// What frames will move, where that can be foreseen.
+    #[cfg(feature = "gpu")]
+    pub(crate) foresight: Option<device::Foresight>,
 }
 
 // SAFETY: its pointers are into its own memory, and into columns of the state that it was made for, which are followed
@@ -190,7 +193,9 @@ impl<P: Scalar> Pipeline<P> {
             observes: false,
             lends: lent_columns(state).next().is_some(),
             #[cfg(feature = "gpu")]
-            buffers: device::Buffers::default(),
+            residency: device::residency(machine),
+            #[cfg(feature = "gpu")]
+            foresight: None,
         };
         let rotates = integrator.rotates();
         let asked = |key: &Key| rotates || !matches!(key, Key::Unturned | Key::Turners);
@@ -221,6 +226,8 @@ impl<P: Scalar> Pipeline<P> {
         pipeline.programs =
             plans.into_iter().map(|plan| program(plan, laws, chains, &pipeline, state, machine)).collect();
         pipeline.check_pairs()?;
+        #[cfg(feature = "gpu")]
+        pipeline.let_go(state);
         if integrator.needs_derivatives() {
             pipeline.tangent = Some(Box::new(Tangent::new(&pipeline, laws, state)));
         }
@@ -282,6 +289,24 @@ impl<P: Scalar> Pipeline<P> {
     pub(crate) fn takes_differences(&self, law: usize) -> bool {
         let entry = &self.entries[law];
         entry.shape == Shape::Pair && entry.signature.translation_invariant
+    }
+
+    /// The numbers of steps of laws that are not evaluated on every one, each once.
+    fn paces(&self) -> Vec<u32> {
+        let all = self.programs[Key::Evaluate(Part::Momenta).index()].passes.iter().map(|pass| pass.every);
+        let mut paces: Vec<u32> = all.filter(|pace| *pace > 1).collect();
+        paces.sort_unstable();
+        paces.dedup();
+        paces
+    }
+
+    /// Brings all numbers to the host, which looks at them, or changes them.
+    #[cfg_attr(not(feature = "gpu"), expect(clippy::unused_self, reason = "all is there without a device"))]
+    pub(crate) fn come_home(&self, _changes: bool) {
+        #[cfg(feature = "gpu")]
+        if let Some(residency) = &self.residency {
+            device::lock(residency).all_on_host(_changes, &[]);
+        }
     }
 
     /// Lent memory may begin elsewhere than in the last run.

@@ -51,6 +51,7 @@ impl<P: Scalar> Runner<'_, P> {
 
     /// The largest square of a change, as a part of that of the momentum.
     fn each_rotation(&self, time: f64, rotation: Rotation, to: To) -> f64 {
+        self.come_home(true);
         let exact = rotation == Rotation::Exact;
         let turns = self.pipeline.turnings.iter().filter_map(|turning| {
             let turn = self.prepared(turning, P::from_f64(time), exact, to)?;
@@ -106,6 +107,7 @@ impl<P: Scalar> Runner<'_, P> {
     /// As [`System::turns_amiss`].
     pub(super) fn find_amiss(&mut self) -> Option<String> {
         self.evaluate(Part::Momenta);
+        self.come_home(true);
         let before = self.pipeline.vectors.rotation.get(1)?.pointer();
         // SAFETY: as above.
         unsafe {
@@ -115,6 +117,7 @@ impl<P: Scalar> Runner<'_, P> {
         }
         self.evaluate_unturned();
         self.run(Key::Turners);
+        self.come_home(true);
         let amiss = |turning: &&Turning| {
             let turn = self.prepared(turning, P::default(), false, To::Mean);
             let state = self.pipeline.vectors.states.iter().find(|state| state.quantity == turning.state);

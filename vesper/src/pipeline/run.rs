@@ -4,7 +4,7 @@ use super::bind::{BoundPass, Pass};
 use super::pass::run_pass;
 use super::plan::Key;
 use super::switches::Phase;
-use super::{FusedChain, Listed, Machine, Pipeline, Vectors};
+use super::{FusedChain, Listed, Machine, Pipeline};
 use crate::field::Field;
 use crate::integrate::{Again, Combination, Pace, Quantity, Register, Rotation, Structure, System};
 use crate::law::Part;
@@ -22,6 +22,9 @@ pub(crate) struct Context<'a, P: Scalar> {
     pub(crate) lent: &'a [*mut P],
     pub(crate) isa: Isa,
     pub(crate) machine: &'a Machine,
+    /// Where columns are, if some can be on a device.
+    #[cfg(feature = "gpu")]
+    pub(crate) residency: Option<super::device::Shared<P>>,
     pub(crate) time: P,
     pub(crate) steps: [P; 2],
     /// How many numbers behind their own place rates go.
@@ -59,6 +62,8 @@ impl<'a, P: Scalar> Context<'a, P> {
             lent,
             isa: machine.isa,
             machine,
+            #[cfg(feature = "gpu")]
+            residency: None,
             time: P::from_f64(time),
             steps: [P::default(); 2],
             rates: 0,
@@ -140,7 +145,13 @@ impl<'a, P: Scalar> Runner<'a, P> {
         if !lent.is_empty() {
             pipeline.forget_addresses();
         }
-        let context = Context::new((laws, chains, machine), &state.fields, lent, time);
+        #[cfg_attr(not(feature = "gpu"), expect(unused_mut, reason = "only a device is told later"))]
+        let mut context = Context::new((laws, chains, machine), &state.fields, lent, time);
+        #[cfg(feature = "gpu")]
+        if let Some(residency) = &pipeline.residency {
+            super::device::lock(residency).begin();
+            context.residency = Some(Arc::clone(residency));
+        }
         let clock = super::bind::locate_column(state, 0, Time::NAME, 0).map(|place| place.base.resolve(lent));
         let mut runner = Runner {
             pipeline,
@@ -165,7 +176,9 @@ impl<'a, P: Scalar> Runner<'a, P> {
         let mut energy = 0.0;
         for pass in &mut programs[key.index()].passes {
             // Most are neither held, nor of a law that is not evaluated on every step.
-            if pass.every <= 1 && pass.fills.is_none() || is_due(pass, vectors, (self.pace, self.step)) {
+            if pass.every <= 1 && pass.fills.is_none() || is_due(pass, &mut vectors.filled, (self.pace, self.step)) {
+                #[cfg(feature = "gpu")]
+                self.context.bring(&pass.touches);
                 energy += run_pass(&mut pass.pass, &self.context);
             }
         }
@@ -173,9 +186,24 @@ impl<'a, P: Scalar> Runner<'a, P> {
     }
 }
 
+/// A part of the state, and the step that it advances by.
+type Advanced = (Part, f64);
+
+/// What the first of these stages is, alone or with the next one, by which steps its states advance, and the stages after it.
+#[inline]
+pub(super) fn next_key(stages: &[Advanced]) -> Option<(Key, [f64; 2], &[Advanced])> {
+    match stages {
+        [] => None,
+        [(Part::Momenta, kick), (Part::Coordinates, drift), after @ ..] => {
+            Some((Key::KickDrift, [*kick, *drift], after))
+        }
+        [(part, step), after @ ..] => Some((Key::Advance(*part), [*step, 0.0], after)),
+    }
+}
+
 /// Whether a pass of a law that is not evaluated on every step runs on this one; its shares are then filled.
 #[inline(never)]
-fn is_due<P: Scalar>(pass: &BoundPass<P>, vectors: &mut Vectors<P>, (pace, step): (Pace, u64)) -> bool {
+pub(super) fn is_due<P: Scalar>(pass: &BoundPass<P>, filled: &mut [bool], (pace, step): (Pace, u64)) -> bool {
     let fill = match pace {
         _ if pass.every <= 1 => true,
         Pace::Held => step.is_multiple_of(pass.every.into()),
@@ -184,9 +212,9 @@ fn is_due<P: Scalar>(pass: &BoundPass<P>, vectors: &mut Vectors<P>, (pace, step)
         Pace::With(_) => true,
     };
     let Some(held) = pass.fills else { return true };
-    let due = fill || !vectors.filled[held];
+    let due = fill || !filled[held];
     // Shares that were only emptied are filled by the law's own pass, which comes next.
-    vectors.filled[held] |= due && !matches!(pass.pass, Pass::Release(_));
+    filled[held] |= due && !matches!(pass.pass, Pass::Release(_));
     due
 }
 
@@ -208,11 +236,31 @@ impl<P: Scalar> Runner<'_, P> {
         self.pipeline.vectors.errors_again(what == Again::Restore);
     }
 
+    /// Everything is looked at on the host, or changed there.
+    #[cfg_attr(not(feature = "gpu"), expect(clippy::unused_self, reason = "all is there without a device"))]
+    pub(super) fn come_home(&self, _changes: bool) {
+        #[cfg(feature = "gpu")]
+        if let Some(residency) = &self.context.residency {
+            super::device::lock(residency).all_on_host(_changes, self.context.lent);
+        }
+    }
+
+    /// All is done: the client's memory is to be what it was lent for, when the client gets it back.
+    #[cfg_attr(not(feature = "gpu"), expect(clippy::unused_self, reason = "it is without a device"))]
+    pub(crate) fn end(&self) {
+        #[cfg(feature = "gpu")]
+        if let Some(residency) = &self.context.residency {
+            super::device::lock(residency).end(self.context.lent);
+        }
+    }
+
     /// Evaluates the laws for what switches and regions make of it; they are held afterwards.
     fn look(&mut self, phase: Phase) {
         self.context.phase = phase;
         self.evaluate(Part::All);
         self.context.phase = Phase::Held;
+        // Switches are looked at and held where rows are.
+        self.come_home(true);
     }
 }
 
@@ -238,6 +286,8 @@ impl<P: Scalar> System for Runner<'_, P> {
     fn evaluate_to(&mut self, to: Register, part: Part) {
         let Pipeline { programs, vectors, .. } = &*self.pipeline;
         let there = programs[Key::Evaluate(part).index()].rates == vectors.vector(Register::Rates);
+        #[cfg(feature = "gpu")]
+        let there = there && self.context.residency.is_none();
         if !there || !matches!(to, Register::Work(_)) {
             self.evaluate(part);
             return self.copy(to, Register::Rates, part);
@@ -258,35 +308,40 @@ impl<P: Scalar> System for Runner<'_, P> {
             return;
         }
         let mut rest = stages;
-        while let [(part, step), after @ ..] = rest {
-            self.context.steps[0] = P::from_f64(*step);
+        while let Some((key, steps, after)) = next_key(rest) {
+            self.context.steps = steps.map(P::from_f64);
             // A drift that only follows velocities is no evaluation of forces.
-            self.evaluations += u64::from(*part != Part::Coordinates);
-            rest = match (part, after) {
-                (Part::Momenta, [(Part::Coordinates, drift), after @ ..]) => {
-                    self.context.steps[1] = P::from_f64(*drift);
-                    self.run(Key::KickDrift);
-                    after
-                }
-                _ => {
-                    self.run(Key::Advance(*part));
-                    after
-                }
-            };
+            self.evaluations += u64::from(key != Key::Advance(Part::Coordinates));
+            self.run(key);
+            rest = after;
         }
     }
 
     fn linear(&mut self, combination: Combination<'_>) {
+        #[cfg(feature = "gpu")]
+        if self.linear_on_device(&combination) {
+            return;
+        }
         // SAFETY: `Runner` is only made for a state with the layout that the vectors were made for, held exclusively.
         unsafe { self.pipeline.vectors.linear(&combination, self.context.lent, self.context.isa) };
     }
 
     fn copy(&mut self, to: Register, from: Register, part: Part) {
+        #[cfg(feature = "gpu")]
+        {
+            let whole = [(1.0, from)];
+            let terms = crate::integrate::Terms::of(&whole);
+            let momenta = crate::integrate::Terms::NONE;
+            if self.linear_on_device(&Combination { to, adds: false, part, terms, momenta }) {
+                return;
+            }
+        }
         // SAFETY: as above.
         unsafe { self.pipeline.vectors.copy((to, from), part, self.context.lent, self.context.isa) };
     }
 
     fn magnitudes(&mut self, of: &[Register], part: Part, each: &mut dyn FnMut(usize, &[f64])) {
+        self.come_home(false);
         // SAFETY: as above.
         unsafe { self.pipeline.vectors.magnitudes(of, part, self.context.lent, each) };
     }
@@ -300,10 +355,12 @@ impl<P: Scalar> System for Runner<'_, P> {
     }
 
     fn read(&self, quantity: Quantity, from: Register, to: &mut [f64]) {
+        self.come_home(false);
         self.read_quantity(quantity, from, to);
     }
 
     fn write(&mut self, quantity: Quantity, from: &[f64]) {
+        self.come_home(true);
         self.write_quantity(quantity, from);
     }
 
@@ -320,6 +377,7 @@ impl<P: Scalar> System for Runner<'_, P> {
             return false;
         }
         self.run(Key::Evaluate(Part::Coordinates));
+        self.come_home(false);
         // SAFETY: as above.
         unsafe { self.pipeline.vectors.rates_are_momenta(self.context.lent) }
     }
@@ -331,11 +389,7 @@ impl<P: Scalar> System for Runner<'_, P> {
     }
 
     fn paces(&self) -> Vec<u32> {
-        let all = self.pipeline.programs[Key::Evaluate(Part::Momenta).index()].passes.iter().map(|pass| pass.every);
-        let mut paces: Vec<u32> = all.filter(|pace| *pace > 1).collect();
-        paces.sort_unstable();
-        paces.dedup();
-        paces
+        self.pipeline.paces()
     }
 
     fn steps_done(&self) -> u64 {
@@ -352,6 +406,7 @@ impl<P: Scalar> System for Runner<'_, P> {
     }
 
     fn turn_momenta(&mut self, time: f64, rotation: Rotation) {
+        self.come_home(true);
         self.rotate(time, rotation);
     }
 
@@ -367,6 +422,7 @@ impl<P: Scalar> System for Runner<'_, P> {
         if !self.pipeline.switches.any() {
             return false;
         }
+        self.come_home(true);
         self.context.phase = Phase::Held;
         if !self.pipeline.switches.holds {
             // A switch that turns because another one is held may turn that one: some laws' worth of it, and then it must do.
@@ -396,6 +452,7 @@ impl<P: Scalar> System for Runner<'_, P> {
     }
 
     fn turn(&mut self) {
+        self.come_home(true);
         // SAFETY: as above.
         unsafe { self.pipeline.switches.turn() };
         self.look(Phase::Look);

@@ -26,6 +26,9 @@ pub(crate) struct StateProperty<P: Scalar> {
     pub(crate) len: usize,
     /// Where its components are.
     pub(crate) components: Vec<Component<P>>,
+    /// Whether its rates are given on a device, where its vectors are then.
+    #[cfg(feature = "gpu")]
+    pub(crate) on_device: bool,
 }
 
 /// One component of a state.
@@ -125,7 +128,14 @@ impl<P: Scalar> Vectors<P> {
                 Role::Plain | Role::Switch | Role::Sum { .. } | Role::Turn { .. } => 2,
             };
             ends[from..].fill(at);
-            states.push(StateProperty { quantity: id, role, len, components });
+            states.push(StateProperty {
+                quantity: id,
+                role,
+                len,
+                components,
+                #[cfg(feature = "gpu")]
+                on_device: false,
+            });
         }
         let one = as_one(&states).filter(|_| !gaps);
         let looks = compensated && differences && one.is_some();
@@ -253,6 +263,12 @@ impl<P: Scalar> Vectors<P> {
         let all = array.as_mut_slice();
         places.into_iter().zip(numbers).for_each(|(at, number)| all[at] = number);
         true
+    }
+
+    /// How many states are coordinates: they come first.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn coordinates(&self) -> usize {
+        self.states.iter().filter(|state| state.role == Role::Coordinate).count()
     }
 
     /// All numbers of the state, and the gaps between them.

@@ -214,7 +214,14 @@ impl Check<'_> {
             rows.sort_unstable();
             rows
         });
-        (faults.len() == before).then_some(Column { info: column.info, storage, subset, given: true, shown: true })
+        (faults.len() == before).then_some(Column {
+            away: None,
+            info: column.info,
+            storage,
+            subset,
+            given: true,
+            shown: true,
+        })
     }
 
     fn kind<P: Scalar>(&self, column: &Given<P>, faults: &mut Vec<Fault>) {

@@ -2,9 +2,10 @@
 //!
 //! In: a law. Out: how far the two are apart, on rows of numbers that a fixed sequence gives. Never: an engine.
 
-use super::device::{Device, DeviceFault, Work};
+use super::device::{Device, DeviceFault};
 use super::layout::{Access, Slot, Store};
 use super::links::Ends;
+use super::stream::Work;
 use super::wgsl::{Loop, Program, Word};
 use super::{NoKernel, Numbers, OnDevice};
 use crate::backend::{Compiled, Kernel, LinkCall, Links, PairCall, RowCall, Strided};

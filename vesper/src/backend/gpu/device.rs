@@ -3,14 +3,13 @@
 //! In: programs, bytes. Out: prepared programs, buffers, bytes. Never: a panic of the interface beneath: what it finds wrong is an error,
 //! a device that is lost is one, too.
 
-use super::wgsl::{ACROSS, GROUP, Numbers, Program};
+use super::wgsl::{Numbers, Program};
 use pollster::block_on;
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::{
     BindGroupEntry, BindGroupLayoutEntry, BindingType, BufferBindingType, BufferDescriptor, BufferUsages, Features,
-    PollType,
 };
 
 /// Why there is no device.
@@ -48,8 +47,8 @@ const CALL: u32 = 128;
 /// A graphics processor that laws run on.
 #[derive(Debug)]
 pub struct Device {
-    device: wgpu::Device,
-    queue: wgpu::Queue,
+    pub(super) device: wgpu::Device,
+    pub(super) queue: wgpu::Queue,
     name: String,
     /// Programs that were built, by their texts.
     known: Mutex<HashMap<String, Arc<Prepared>>>,
@@ -61,17 +60,8 @@ pub struct Device {
 #[derive(Debug)]
 pub(crate) struct Prepared {
     pub(crate) program: Program,
-    pipeline: wgpu::ComputePipeline,
+    pub(super) pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
-}
-
-/// One program with its buffers, and what comes with the call.
-#[derive(Debug)]
-pub(crate) struct Work<'a> {
-    pub(crate) prepared: &'a Prepared,
-    pub(crate) group: &'a wgpu::BindGroup,
-    pub(crate) call: Vec<u8>,
-    pub(crate) rows: u32,
 }
 
 impl Device {
@@ -80,7 +70,20 @@ impl Device {
     /// # Errors
     /// There is none, or none that has what laws need: numbers that come with a call (`IMMEDIATES`).
     pub fn open() -> Result<Self, NoDevice> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        Self::of(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+    }
+
+    /// One without a driver: what is copied is copied, what runs does nothing.
+    #[cfg(test)]
+    pub(crate) fn without_driver() -> Self {
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = wgpu::Backends::NOOP;
+        descriptor.backend_options.noop.enable = true;
+        Self::of(descriptor).expect("it is everywhere")
+    }
+
+    fn of(descriptor: wgpu::InstanceDescriptor) -> Result<Self, NoDevice> {
+        let instance = wgpu::Instance::new(descriptor);
         let options = wgpu::RequestAdapterOptions {
             power_preference: wgpu::PowerPreference::HighPerformance,
             ..wgpu::RequestAdapterOptions::default()
@@ -133,10 +136,10 @@ impl Device {
         precision == Numbers::F32 || self.device.features().contains(Features::SHADER_F64)
     }
 
-    /// Whether it no longer answers.
-    pub(crate) fn is_lost(&self) -> bool {
-        let heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
-        matches!(*heard, Some(DeviceFault::Lost(_)))
+    /// Whether something is wrong with it, without waiting for it: losses are told to those who ask.
+    pub(crate) fn look(&self) -> Option<DeviceFault> {
+        let _ = catch_unwind(AssertUnwindSafe(|| self.device.poll(wgpu::PollType::Poll)));
+        self.fault()
     }
 
     /// A program, built if it is not known.
@@ -216,6 +219,11 @@ impl Device {
         })
     }
 
+    /// How many buffers a program may have.
+    pub(crate) fn buffers(&self) -> usize {
+        self.device.limits().max_storage_buffers_per_shader_stage as usize
+    }
+
     /// The same, where the device can bind as much.
     pub(crate) fn room(&self, bytes: u64) -> Result<wgpu::Buffer, DeviceFault> {
         let limits = self.device.limits();
@@ -231,6 +239,11 @@ impl Device {
     #[cfg(test)]
     pub(crate) fn destroy(&self) {
         self.device.destroy();
+    }
+
+    /// What was heard of a fault.
+    pub(super) fn fault(&self) -> Option<DeviceFault> {
+        self.heard.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Asks it for nothing any more.
@@ -251,54 +264,5 @@ impl Device {
             .collect();
         let layout = &prepared.layout;
         self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
-    }
-
-    /// Runs programs one after the other, and brings back so many bytes of each of these buffers, one behind the other.
-    pub(crate) fn run<'a>(
-        &self,
-        works: impl Iterator<Item = Work<'a>>,
-        back: &[(&wgpu::Buffer, usize)],
-        read: impl FnOnce(&[u8]),
-    ) -> Result<(), DeviceFault> {
-        let size: u64 = back.iter().map(|(_, bytes)| *bytes as u64).sum();
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            for work in works.filter(|work| work.rows > 0) {
-                pass.set_pipeline(&work.prepared.pipeline);
-                pass.set_bind_group(0, work.group, &[]);
-                pass.set_immediates(0, &work.call);
-                let groups = work.rows.div_ceil(GROUP);
-                pass.dispatch_workgroups(groups.min(ACROSS), groups.div_ceil(ACROSS), 1);
-            }
-        }
-        let staging = self.device.create_buffer(&BufferDescriptor {
-            label: None,
-            size: size.max(8),
-            usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let mut at = 0;
-        for (buffer, bytes) in back.iter().filter(|(_, bytes)| *bytes > 0) {
-            encoder.copy_buffer_to_buffer(buffer, 0, &staging, at, *bytes as u64);
-            at += *bytes as u64;
-        }
-        let submitted = self.queue.submit([encoder.finish()]);
-        let (sender, receiver) = std::sync::mpsc::channel();
-        // Who waits is still there.
-        staging.map_async(wgpu::MapMode::Read, .., move |mapped| drop(sender.send(mapped)));
-        // The interface beneath panics where a driver says that the device is lost while somebody waits for it.
-        let wait = || self.device.poll(PollType::Wait { submission_index: Some(submitted), timeout: None });
-        let waited = catch_unwind(AssertUnwindSafe(wait));
-        let waited = waited.map_err(|_| DeviceFault::Lost("its driver gave it up".to_owned()))?;
-        if let Some(fault) = self.heard.lock().unwrap_or_else(PoisonError::into_inner).clone() {
-            return Err(fault);
-        }
-        waited.map_err(|error| DeviceFault::Lost(error.to_string()))?;
-        let lost = || DeviceFault::Lost("its memory cannot be read".to_owned());
-        receiver.try_recv().ok().and_then(Result::ok).ok_or_else(lost)?;
-        let mapped = staging.get_mapped_range(..).map_err(|_| lost())?;
-        read(&mapped[..size as usize]);
-        Ok(())
     }
 }

@@ -13,16 +13,19 @@ mod device;
 mod layout;
 mod links;
 mod operations;
+mod stream;
 mod trace;
 mod traced;
 mod wgsl;
 
 pub(crate) use check::{Wrong, check};
 pub use compare::{Comparison, NotCompared, compare};
+pub(crate) use device::Prepared;
 pub use device::{Device, DeviceFault, NoDevice};
-pub(crate) use device::{Prepared, Work};
 pub(crate) use layout::{Access, Binding, Layout, Slot, Store};
 pub(crate) use links::Ends;
+pub use stream::Transfers;
+pub(crate) use stream::{Stream, Work};
 pub(crate) use trace::{Trace, link, pair, row};
 pub(crate) use wgpu::{BindGroup, Buffer};
 pub(crate) use wgsl::{Loop, Numbers, Program, Refused, Word, write};
@@ -93,10 +96,19 @@ impl<P: Scalar> Compiled<P> {
 
 /// A program that copies numbers: the first so many slots of the layout get those of the slots behind them.
 pub(crate) fn copied<P: Scalar>(width: usize, layout: Layout) -> Result<Program, NoKernel> {
-    let fail = |reason| NoKernel { law: "the start of a sum", reason };
+    program_of::<P>("the start of a sum", &trace::copy(width), layout)
+}
+
+/// A program that sums so many columns: the first slot gets the sum of the slots behind it, each times a constant of those behind these.
+pub(crate) fn summed<P: Scalar>(terms: usize, layout: Layout) -> Result<Program, NoKernel> {
+    program_of::<P>("a sum of vectors", &trace::sum(terms), layout)
+}
+
+fn program_of<P: Scalar>(law: &'static str, trace: &Trace, layout: Layout) -> Result<Program, NoKernel> {
+    let fail = |reason| NoKernel { law, reason };
     let numbers = P::choose::<OnDevice>(|| Some(Numbers::F32), || Some(Numbers::F64), || None);
     let numbers = numbers.ok_or(fail(Reason::DoubleDouble))?;
-    let program = write(&trace::copy(width), layout, Loop::Rows, numbers, false);
+    let program = write(trace, layout, Loop::Rows, numbers, false);
     let program = program.map_err(|refused| fail(refused.into()))?;
     check(&program).map_err(|wrong| fail(wrong.into()))?;
     Ok(program)

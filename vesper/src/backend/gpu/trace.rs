@@ -5,6 +5,7 @@
 use super::traced::{At, Of, Record, Traced, record};
 use crate::backend::within::Within;
 use crate::law::{Declared, LinkFamily, LinkLaw, PairFamily, PairLaw, RowFamily, RowLaw, Sink, Source};
+use crate::real::Real;
 
 /// A body, recorded.
 #[derive(Debug)]
@@ -109,5 +110,16 @@ pub(crate) fn copy(width: usize) -> Trace {
     let of = Of::Row;
     let result = |slot| ResultOf { of, slot, value: Traced::input(of, width + slot).0 };
     let (results, record) = record(|| (0..width).map(result).collect());
+    Trace { record, results }
+}
+
+/// Records a sum of so many numbers, each times a constant, in their order.
+pub(crate) fn sum(terms: usize) -> Trace {
+    let of = Of::Row;
+    let (results, record) = record(|| {
+        let term = |k: usize| Traced::input(of, 1 + k) * Traced::input(Of::Scene, 1 + terms + k);
+        let sum = (0..terms).map(term).reduce(|sum, term| sum + term).unwrap_or(Traced::lit(0.0));
+        vec![ResultOf { of, slot: 0, value: sum.0 }]
+    });
     Trace { record, results }
 }

@@ -1,17 +1,20 @@
 //! Ties a pass to a device. In: the operations of a pass, and where columns are. Out: a [`DevicePass`], or why there is none.
 //! Never runs anything.
 
-use super::{Call, Column, Constant, DevicePass, What};
+use super::ledger::{Touch, then};
+use super::residency::{Residency, What, lock};
+use super::{Call, Constant, DevicePass};
 use crate::backend::gpu::{self, Access, Binding, Buffer, Device, Ends, Layout, Loop, Program, Slot, Store};
 use crate::column::Storage;
-use crate::law::Mode;
+use crate::law::{Mode, Shape};
 use crate::pipeline::bind::{Binder, Located, Pass};
 use crate::pipeline::merge::NOTHING;
 use crate::pipeline::operand::Operand;
 use crate::pipeline::plan::{Key, Op, Placed};
+use crate::property::{Property, Time};
 use crate::real::{Scalar, Vector};
-use crate::registry::{Backend, QuantityId};
-use std::sync::{Arc, PoisonError};
+use crate::registry::{Backend, QuantityId, Tie};
+use std::sync::Arc;
 
 impl<P: Scalar> Binder<'_, P> {
     /// The pass on the device, where its laws are to run there; with the reason where it stays on the host.
@@ -20,17 +23,100 @@ impl<P: Scalar> Binder<'_, P> {
         if !asked || self.plan.key == Key::Energy {
             return (host, None);
         }
-        let builder = match &self.machine.device {
-            Some(Ok(device)) => Builder { binder: self, device, columns: Vec::new(), calls: Vec::new() },
-            Some(Err(reason)) => return (host, Some(reason.clone())),
-            None => return (host, Some("no device was opened".to_owned())),
+        let shared = match (&self.pipeline.residency, &self.machine.device) {
+            (Some(shared), _) => shared,
+            (None, Some(Err(reason))) => return (host, Some(reason.clone())),
+            (None, _) => return (host, Some("no device was opened".to_owned())),
         };
+        let on_host = self.touched(ops);
+        let mut residency = lock(shared);
+        let device = Arc::clone(&residency.device);
+        let (residency, calls) = (&mut *residency, Vec::new());
+        let mut builder =
+            Builder { binder: self, device, residency, touches: Vec::new(), constants: Vec::new(), calls };
         match builder.build(ops) {
-            Ok((device, columns, calls)) => {
-                (Pass::Device(DevicePass { host: Box::new(host), device, columns, calls }), None)
+            Ok(()) => {
+                let Builder { touches, constants, calls, .. } = builder;
+                (Pass::Device(DevicePass { host: Box::new(host), on_host, touches, constants, calls }), None)
             }
             Err(reason) => (host, Some(reason)),
         }
+    }
+
+    /// What the host's pass touches, of what could be on a device.
+    pub(in crate::pipeline) fn touched(&self, ops: &[Placed]) -> Vec<Touch> {
+        let Some(shared) = &self.pipeline.residency else { return Vec::new() };
+        let mut residency = lock(shared);
+        let mut touches = Vec::new();
+        let mut touch = |operand: Operand, access| {
+            let constant = if let Operand::Constant(id, c) = operand { Some((What::Quantity(id), c)) } else { None };
+            let Some((what, _)) = what(operand).or(constant) else { return };
+            // What lives in the scratch of a block is nowhere; what some rows only have stays on the host.
+            let Some(components) = self.components(what) else { return };
+            let column = residency.column(what, || components);
+            then(&mut touches, Touch { column, access });
+        };
+        for op in ops {
+            let signature = match op.op {
+                Op::Law { seat, .. } | Op::Release { seat } | Op::Hold { seat } => {
+                    let known = &self.pipeline.registry.seats[seat];
+                    Some((known, &self.pipeline.entries[known.law]))
+                }
+                Op::Start { .. } | Op::Sample { .. } | Op::Axpy { .. } | Op::Keep => None,
+            };
+            let ports = signature.iter().flat_map(|(seat, entry)| entry.signature.ports.iter().zip(&seat.ties));
+            let slots = ports.flat_map(|(port, tie)| core::iter::repeat_n((port, tie), port.property.kind.width()));
+            let slots = slots.map(Some).chain(core::iter::repeat(None));
+            for ((operand, writes), slot) in op.operands.iter().zip(&op.writes).zip(slots) {
+                match op.op {
+                    Op::Release { .. } if matches!(operand, Operand::Held(..)) => touch(*operand, Access::Write),
+                    Op::Hold { .. } if matches!(operand, Operand::Held(..)) => {
+                        touch(*operand, Access::Read);
+                        if let Some((_, Tie::Quantity(id))) = slot {
+                            touch(Operand::Quantity(*id, 0), Access::Update);
+                        }
+                    }
+                    Op::Release { .. } | Op::Hold { .. } => {}
+                    _ if !writes => touch(*operand, Access::Read),
+                    Op::Start { .. } | Op::Keep => touch(*operand, Access::Write),
+                    Op::Axpy { .. } | Op::Sample { .. } => touch(*operand, Access::Update),
+                    Op::Law { advance, first, .. } => {
+                        let by_row = signature.is_some_and(|(_, entry)| entry.shape == Shape::Row);
+                        let whole = op.rows.is_none()
+                            && match slot.map(|(port, _)| port.mode) {
+                                Some(Mode::Sets) => by_row,
+                                Some(Mode::Rates) => by_row && advance.is_none(),
+                                Some(Mode::Adds) => first,
+                                _ => false,
+                            };
+                        touch(*operand, if whole { Access::Write } else { Access::Update });
+                    }
+                }
+            }
+        }
+        touches
+    }
+
+    /// Where the components of a column are; `None` where it is nowhere, or only some rows have it.
+    fn components(&self, what: What) -> Option<Vec<Located<P>>> {
+        let width = match what {
+            What::Quantity(id) | What::Rate(id) | What::Turned(id) | What::Previous(id) | What::Work(_, id) => {
+                self.pipeline.registry.quantities[id].info.kind.width()
+            }
+            What::Held(..) => 1,
+        };
+        let component = |component| {
+            self.locate(match what {
+                What::Quantity(id) => Operand::Quantity(id, component),
+                What::Rate(id) => Operand::Rate(id, component),
+                What::Turned(id) => Operand::Turned(id, component),
+                What::Previous(id) => Operand::Previous(id, component),
+                What::Held(seat, slot) => Operand::Held(seat, slot),
+                What::Work(..) => Operand::Absent,
+            })
+        };
+        let components: Option<Vec<Located<P>>> = (0..width).map(component).collect();
+        components.filter(|components| components.iter().all(|located| located.subset.is_none()))
     }
 }
 
@@ -59,15 +145,15 @@ struct Tied<P> {
 /// A pass while it is being tied to a device.
 struct Builder<'a, P: Scalar> {
     binder: &'a Binder<'a, P>,
-    device: &'a Arc<Device>,
-    columns: Vec<Column<P>>,
+    device: Arc<Device>,
+    residency: &'a mut Residency<P>,
+    touches: Vec<Touch>,
+    constants: Vec<Touch>,
     calls: Vec<Call<P>>,
 }
 
-type Built<P> = (Arc<Device>, Vec<Column<P>>, Vec<Call<P>>);
-
 impl<P: Scalar> Builder<'_, P> {
-    fn build(mut self, ops: &[Placed]) -> Result<Built<P>, String> {
+    fn build(&mut self, ops: &[Placed]) -> Result<(), String> {
         for op in ops {
             match op.op {
                 Op::Law { seat, advance, first, .. } => self.law(op, seat, advance, first)?,
@@ -83,7 +169,7 @@ impl<P: Scalar> Builder<'_, P> {
                 }
             }
         }
-        Ok((self.device.clone(), self.columns, self.calls))
+        Ok(())
     }
 
     fn uniform(&self, field: usize) -> Option<[P; 3]> {
@@ -157,11 +243,13 @@ impl<P: Scalar> Builder<'_, P> {
                     Some(Constant::Number(value[component]))
                 }
                 // It comes with the call, which is made before the pass runs.
-                Operand::Constant(id, _) if self.columns.iter().any(|c| c.taken && c.what == What::Quantity(id)) => {
+                Operand::Constant(id, _) if self.sets(id) => {
                     return Err("it reads a constant that a law of the same pass sets".to_owned());
                 }
-                Operand::Constant(..) => {
+                Operand::Constant(id, _) => {
                     let located = self.binder.locate(operand).ok_or("a constant is nowhere")?;
+                    let column = self.column(What::Quantity(id))?;
+                    then(&mut self.constants, Touch { column, access: Access::Read });
                     Some(Constant::At(located.base))
                 }
                 Operand::Quantity(..)
@@ -176,12 +264,18 @@ impl<P: Scalar> Builder<'_, P> {
                 continue;
             }
             let (what, component) = what(operand).ok_or("a column is nowhere")?;
+            if let What::Quantity(id) = what
+                && self.binder.pipeline.registry.quantities[id].domain == 0
+                && self.binder.pipeline.registry.quantities[id].info.name == Time::NAME
+            {
+                return Err("it looks at the time as at a row's, and the clock is the host's".to_owned());
+            }
             let access = match store {
                 None => Access::Read,
                 Some(Store::Set) => Access::Write,
                 Some(Store::Add | Store::Advance) => Access::Update,
             };
-            let column = self.column(what, operand)?;
+            let column = self.column(what)?;
             let binding = columns.iter().position(|known| *known == column).unwrap_or_else(|| {
                 columns.push(column);
                 layout.bindings.push(Binding::new(&self.name(what), access, columns.len() - 1));
@@ -212,16 +306,23 @@ impl<P: Scalar> Builder<'_, P> {
         let rows = u32::try_from(rows).map_err(|_| "there are more rows than devices count")?;
         let prepared = self.device.prepare(program).map_err(|fault| fault.to_string())?;
         let Tied { columns, constants, .. } = tied;
-        // Nothing comes back that no law has written, and nothing is brought that a law of the pass wrote before.
         for (&column, binding) in columns.iter().zip(&prepared.program.layout.bindings) {
-            let column = &mut self.columns[column];
-            column.brought |= binding.access != Access::Write && !column.taken;
-            column.taken |= binding.access != Access::Read;
+            then(&mut self.touches, Touch { column, access: binding.access });
+            self.residency.buffer(column).map_err(|fault| fault.to_string())?;
         }
-        let buffers: Vec<&Buffer> = columns.iter().map(|column| &self.columns[*column].buffer).chain(&lists).collect();
+        let rooms = columns.iter().filter_map(|column| self.residency.room(*column));
+        let buffers: Vec<&Buffer> = rooms.chain(&lists).collect();
         let group = self.device.bind(&prepared, &buffers);
-        self.calls.push(Call { law, prepared, group, columns, _lists: lists, constants, rows, advance });
+        let strides = columns.iter().map(|column| self.residency.rows(*column) as u32).collect();
+        self.calls.push(Call { law, prepared, group, strides, _lists: lists, constants, rows, advance });
         Ok(())
+    }
+
+    /// Whether the pass sets a quantity.
+    fn sets(&self, id: QuantityId) -> bool {
+        self.touches
+            .iter()
+            .any(|touch| touch.access != Access::Read && self.residency.what(touch.column) == What::Quantity(id))
     }
 
     /// The rows that the links of an operation end at.
@@ -252,48 +353,16 @@ impl<P: Scalar> Builder<'_, P> {
             What::Turned(id) => of(id, "turned"),
             What::Previous(id) => of(id, "before"),
             What::Held(_, slot) => format!("held_{slot}"),
+            What::Work(number, id) => of(id, &format!("work_{number}")),
         }
     }
 
     /// The number of a column, which is made if it is not known.
-    fn column(&mut self, what: What, operand: Operand) -> Result<usize, String> {
-        if let Some(known) = self.columns.iter().position(|column| column.what == what) {
+    fn column(&mut self, what: What) -> Result<usize, String> {
+        if let Some(known) = self.residency.find(what) {
             return Ok(known);
         }
-        let width = match what {
-            What::Quantity(id) | What::Rate(id) | What::Turned(id) | What::Previous(id) => {
-                self.binder.pipeline.registry.quantities[id].info.kind.width()
-            }
-            What::Held(..) => 1,
-        };
-        let component = |component| match what {
-            What::Quantity(id) => Operand::Quantity(id, component),
-            What::Rate(id) => Operand::Rate(id, component),
-            What::Turned(id) => Operand::Turned(id, component),
-            What::Previous(id) => Operand::Previous(id, component),
-            What::Held(..) => operand,
-        };
-        let components: Option<Vec<Located<P>>> = (0..width).map(|c| self.binder.locate(component(c))).collect();
-        let components = components.ok_or("a column is nowhere")?;
-        if components.iter().any(|located| located.subset.is_some()) {
-            return Err("it reads what some rows only have".to_owned());
-        }
-        let buffer = self.buffer(what, &components)?;
-        self.columns.push(Column { what, components, buffer, brought: false, taken: false });
-        Ok(self.columns.len() - 1)
-    }
-}
-
-impl<P: Scalar> Builder<'_, P> {
-    /// Room for a column: all passes of a pipeline have the same.
-    fn buffer(&self, what: What, components: &[Located<P>]) -> Result<Buffer, String> {
-        let mut buffers = self.binder.pipeline.buffers.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, known)) = buffers.iter().find(|(known, _)| *known == what) {
-            return Ok(known.clone());
-        }
-        let bytes = components.iter().map(|located| located.len * size_of::<P>()).sum::<usize>() as u64;
-        let buffer = self.device.room(bytes).map_err(|fault| fault.to_string())?;
-        buffers.push((what, buffer.clone()));
-        Ok(buffer)
+        let components = self.binder.components(what).ok_or("it reads what some rows only have")?;
+        Ok(self.residency.column(what, || components))
     }
 }
