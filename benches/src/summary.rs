@@ -26,7 +26,7 @@ pub struct Case<'a> {
     pub name: &'a str,
     /// Rows or links.
     pub n: usize,
-    /// Threads.
+    /// Threads; 0 for a graphics processor.
     pub threads: usize,
     /// "f32" or "f64".
     pub precision: &'a str,
@@ -70,7 +70,11 @@ impl Summary {
         if self.run == Run::Test {
             println!("{study} {name} n={n} {precision} {threads}: runs");
         }
-        let backend = if threads == 1 { "cpu" } else { "parallel" };
+        let backend = match threads {
+            0 => "gpu",
+            1 => "cpu",
+            _ => "parallel",
+        };
         let number = |error: Option<f64>| error.map_or(String::new(), |error| format!("{error:.1e}"));
         let kept = format!("{study},{name},{n},{threads},{precision},{backend},{median:.4},{unit},{}", number(error));
         let mut shown = format!(

@@ -6,6 +6,8 @@
 mod coloured;
 #[cfg_attr(not(target_arch = "x86_64"), path = "direct_elsewhere.rs")]
 pub mod direct;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod rows;
 mod springs;
 
