@@ -44,7 +44,17 @@ pub enum NotCompared {
 /// # Errors
 /// The law has no kernel for devices, or the device cannot run it.
 pub fn compare<P: Scalar>(device: &Device, law: &Compiled<P>, rows: usize) -> Result<Comparison, NotCompared> {
-    let prepared = device.prepare(law.program(super::ALL)?)?;
+    compare_program(device, law, law.program(super::ALL)?, rows)
+}
+
+/// The same with a program that may be another than the law's.
+pub(super) fn compare_program<P: Scalar>(
+    device: &Device,
+    law: &Compiled<P>,
+    program: Program,
+    rows: usize,
+) -> Result<Comparison, NotCompared> {
+    let prepared = device.prepare(program)?;
     let program = &prepared.program;
     let ends = match program.shape {
         Loop::Links(arity) => Ends::of((0..rows * arity).map(|at| end(at, arity, rows)).collect(), rows),
