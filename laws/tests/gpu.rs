@@ -295,3 +295,128 @@ fn what_only_laws_of_a_pass_see_is_on_the_device_too() {
 fn crowd_places(count: usize) -> Vec<DVec3> {
     (0..count).map(|row| DVec3::new((row % 17) as f64, (row % 31) as f64, row as f64 * 0.01)).collect()
 }
+
+property! {
+    /// A number that grows.
+    Count: Scalar, "1";
+}
+
+/// A row that counts steps.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(reads(count: Count), amends(counted: Count))]
+struct Counting;
+
+#[kernel]
+impl<R: Real> RowLaw<R> for Counting {
+    fn row(&self, row: CountingRow<R>) -> R {
+        row.count + R::lit(1.0)
+    }
+}
+
+fn counted(rows: usize) -> Engine<f32> {
+    let mut engine = Engine::<f32>::builder()
+        .domain(Domain::new("rows").rows(rows).with(Count, (0..rows).map(|row| row as f64).collect::<Vec<_>>()))
+        .law(Counting.backend(Backend::Gpu))
+        .step(1.0)
+        .build()
+        .unwrap();
+    engine.steps_of(2, 1.0).unwrap();
+    engine
+}
+
+/// No row, one, more than one dimension of workgroups holds.
+#[test]
+fn any_number_of_rows_is_counted() {
+    if device().is_none() {
+        return;
+    }
+    for rows in [0, 1, 2, 64, 65_535 * 64 + 1] {
+        let engine = counted(rows);
+        assert!(rows == 0 || engine.backends() == [Some(Backend::Gpu)], "{}", engine.explain());
+        let numbers = engine.state().numbers("rows", Count.info()).unwrap();
+        assert!(numbers.iter().enumerate().all(|(row, number)| *number == row as f64 + 2.0), "{rows}");
+    }
+}
+
+/// A column that no buffer of the device holds stays on the host.
+#[test]
+fn a_column_beyond_what_the_device_binds_stays_on_the_host() {
+    let Some(device) = device() else { return };
+    if !device.name().contains("llvmpipe") {
+        return println!("not run: {} may bind more than this test wants to hold", device.name());
+    }
+    let engine = counted((128 << 20) / 4 + 1);
+    assert_eq!(engine.backends()[0], Some(Backend::Parallel), "{}", engine.explain());
+    let text = engine.explain();
+    assert!(text.contains("not on the graphics processor: ") && text.contains("134217732 bytes"), "{text}");
+    let numbers = engine.state().column("rows", "count").unwrap().components().unwrap()[0];
+    assert!(numbers[..1000].iter().enumerate().all(|(row, number)| *number == row as f32 + 2.0));
+}
+
+macro_rules! many {
+    ($($name:ident),*) => {
+        property! { $(
+            /// One of many.
+            $name: Scalar, "1";
+        )* }
+    };
+}
+many!(One, Two, Three, Four, Five, Six, Seven, Eight, Nine, Ten, Eleven, Twelve, Thirteen, Fourteen, Fifteen, Sixteen, Seventeen);
+
+/// A law of nine properties.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(
+    reads(a: One, b: Two, c: Three, d: Four, e: Five, f: Six, g: Seven, h: Eight),
+    sets(sum: Nine)
+)]
+struct Many;
+
+#[kernel]
+impl<R: Real> RowLaw<R> for Many {
+    fn row(&self, row: ManyRow<R>) -> R {
+        row.a + row.b + row.c + row.d + row.e + row.f + row.g + row.h
+    }
+}
+
+/// A law of seventeen: more than are asked of any device.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(
+    reads(
+        a: One, b: Two, c: Three, d: Four, e: Five, f: Six, g: Seven, h: Eight, i: Ten, j: Eleven, k: Twelve, l: Thirteen, m: Fourteen,
+        n: Fifteen, o: Sixteen, p: Seventeen
+    ),
+    sets(sum: Nine)
+)]
+struct TooMany;
+
+#[kernel]
+impl<R: Real> RowLaw<R> for TooMany {
+    fn row(&self, row: TooManyRow<R>) -> R {
+        let first = row.a + row.b + row.c + row.d + row.e + row.f + row.g + row.h;
+        first + row.i + row.j + row.k + row.l + row.m + row.n + row.o + row.p
+    }
+}
+
+/// Properties beyond the eight that every device has for a program.
+#[test]
+fn many_properties_run_where_there_are_buffers_for_them() {
+    if device().is_none() {
+        return;
+    }
+    let ones = |domain: Domain<f32>| {
+        let domain = domain.with(One, [1.0; 5]).with(Two, [1.0; 5]).with(Three, [1.0; 5]).with(Four, [1.0; 5]);
+        let domain = domain.with(Five, [1.0; 5]).with(Six, [1.0; 5]).with(Seven, [1.0; 5]).with(Eight, [1.0; 5]);
+        let domain = domain.with(Ten, [1.0; 5]).with(Eleven, [1.0; 5]).with(Twelve, [1.0; 5]).with(Thirteen, [1.0; 5]);
+        domain.with(Fourteen, [1.0; 5]).with(Fifteen, [1.0; 5]).with(Sixteen, [1.0; 5]).with(Seventeen, [1.0; 5])
+    };
+    let builder = || Engine::<f32>::builder().domain(ones(Domain::new("rows").rows(5))).backend(Backend::Gpu);
+    let sums = |engine: &Engine<f32>| engine.state().numbers("rows", Nine.info()).unwrap();
+    let many = builder().law(Many).observe("rows", Nine).build().unwrap();
+    assert_eq!(sums(&many), [8.0; 5]);
+    let limit = many.explain();
+    assert!(many.backends() == [Some(Backend::Gpu)] || limit.contains("the law needs 9 buffers"), "{limit}");
+    let too_many = builder().law(TooMany).observe("rows", Nine).build().unwrap();
+    assert_eq!(sums(&too_many), [16.0; 5]);
+    let text = too_many.explain();
+    assert!(text.contains("the law needs 17 buffers"), "{text}");
+}
