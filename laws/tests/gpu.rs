@@ -361,7 +361,10 @@ macro_rules! many {
         )* }
     };
 }
-many!(One, Two, Three, Four, Five, Six, Seven, Eight, Nine, Ten, Eleven, Twelve, Thirteen, Fourteen, Fifteen, Sixteen, Seventeen);
+many!(
+    One, Two, Three, Four, Five, Six, Seven, Eight, Nine, Ten, Eleven, Twelve, Thirteen, Fourteen, Fifteen, Sixteen,
+    Seventeen
+);
 
 /// A law of nine properties.
 #[derive(Law, Clone, Copy, Debug)]
@@ -419,4 +422,57 @@ fn many_properties_run_where_there_are_buffers_for_them() {
     assert_eq!(sums(&too_many), [16.0; 5]);
     let text = too_many.explain();
     assert!(text.contains("the law needs 17 buffers"), "{text}");
+}
+
+fn suns(backend: Backend) -> Engine<f32> {
+    let rows = Domain::new("rows").rows(100).with(Position, crowd_places(100)).with(Mass, vec![2.0; 100]);
+    let builder = Engine::<f32>::builder().domain(rows.with(Velocity, vec![DVec3::Y; 100])).backend(backend).step(1e-3);
+    let builder = builder.law(vesper_laws::Gravity { g: 1.0, softening: 0.1 }.backend(Backend::Cpu));
+    builder.law(vesper_laws::Motion).build().unwrap()
+}
+
+/// Who does not wait sees an earlier frame, and the run is the same.
+#[test]
+fn late_looks_are_of_earlier_frames_and_change_nothing() {
+    if device().is_none() {
+        return;
+    }
+    let (mut engine, mut same) = (suns(Backend::Gpu), suns(Backend::Gpu));
+    let mut frames: Vec<Vec<f64>> = vec![engine.state().numbers("rows", Position).unwrap()];
+    let mut seen = Vec::new();
+    for _ in 0..20 {
+        same.advance(1e-3).unwrap();
+        frames.push(same.state().numbers("rows", Position).unwrap());
+        engine.advance(1e-3).unwrap();
+        if let Some(late) = engine.observe_late("rows", Position).unwrap() {
+            assert!((late.time - 1e-3 * late.step as f64).abs() < 1e-12 && late.step <= engine.steps());
+            let numbers = (0..100).flat_map(|row| late.components.iter().map(move |numbers| f64::from(numbers[row])));
+            assert!(numbers.eq(frames[late.step as usize].iter().copied()), "{}", late.step);
+            seen.push(late.step);
+        }
+    }
+    assert!(seen.len() > 5 && seen.is_sorted(), "{seen:?}");
+    assert_eq!(engine.state().hash(), same.state().hash());
+    let fault = engine.observe_late("rows", Charge).unwrap_err().to_string();
+    assert!(fault.contains("charge"), "{fault}");
+}
+
+/// Where steps are timed here and there, the choice is told, and one that was made before stays.
+#[test]
+fn the_fastest_place_is_found_by_trying() {
+    if device().is_none() {
+        return;
+    }
+    let engine = suns(Backend::Fastest);
+    let text = engine.explain();
+    assert!(text.contains("calibrated: a step takes ") && text.contains("  motion: on the "), "{text}");
+    assert!(!text.contains("  gravity: on the "), "{text}");
+    assert_eq!(engine.backends()[0], Some(Backend::Cpu));
+    let there = engine.backends()[1] == Some(Backend::Gpu);
+    assert_eq!(there, text.contains("  motion: on the graphics processor"), "{text}");
+    // What was tried has left no trace.
+    let (mut engine, mut same) = (engine, suns(if there { Backend::Gpu } else { Backend::Cpu }));
+    engine.steps_of(5, 1e-3).unwrap();
+    same.steps_of(5, 1e-3).unwrap();
+    assert_eq!(engine.state().hash(), same.state().hash());
 }

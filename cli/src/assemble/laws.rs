@@ -116,6 +116,7 @@ pub(super) fn backend(choice: BackendChoice) -> Option<vesper::registry::Backend
         BackendChoice::Auto => Some(Backend::Auto),
         BackendChoice::Cpu => Some(Backend::Cpu),
         BackendChoice::Parallel => Some(Backend::Parallel),
+        BackendChoice::Fastest => Some(Backend::Fastest),
         BackendChoice::Gpu => cfg!(feature = "gpu").then_some(Backend::Gpu),
     }
 }

@@ -105,6 +105,7 @@ pub(super) fn law_outcomes<P: Precision>(engine: &Engine<P>, seconds: &[f64]) ->
             backend: backend.map(|backend| match backend {
                 Backend::Parallel => "parallel",
                 Backend::Gpu => "gpu",
+                Backend::Fastest => "fastest",
                 Backend::Cpu | Backend::Auto => "cpu",
             }),
             seconds: seconds.get(index).copied().unwrap_or(0.0),

@@ -44,6 +44,8 @@ pub enum BackendChoice {
     Cpu,
     /// All threads.
     Parallel,
+    /// Wherever a step takes least, by trying.
+    Fastest,
     /// The graphics processor.
     Gpu,
 }

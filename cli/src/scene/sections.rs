@@ -8,11 +8,12 @@ use super::walk::Walk;
 use crate::fault::{Span, Spanned, help_for, number};
 
 /// Words for backends.
-const BACKENDS: [(&str, BackendChoice); 4] = [
+const BACKENDS: [(&str, BackendChoice); 5] = [
     ("auto", BackendChoice::Auto),
     ("cpu", BackendChoice::Cpu),
     ("parallel", BackendChoice::Parallel),
     ("gpu", BackendChoice::Gpu),
+    ("fastest", BackendChoice::Fastest),
 ];
 
 /// Keys of `[engine]`.

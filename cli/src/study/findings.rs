@@ -197,6 +197,7 @@ pub fn backend_word(backend: Backend) -> &'static str {
         Backend::Cpu => "cpu",
         Backend::Parallel => "parallel",
         Backend::Gpu => "gpu",
+        Backend::Fastest => "fastest",
     }
 }
 

@@ -42,7 +42,7 @@ const TABLE: &[(&str, &str)] = &[
     ("[engine]\nthreads = 1.5", "2:11: expected a whole number, 1 or more, found 1.5"),
     (
         "[engine]\nbackend = \"paralel\"",
-        "2:11: expected \"auto\" or \"cpu\" or \"parallel\" or \"gpu\", found \"paralel\"; did you mean `parallel`?",
+        "2:11: expected \"auto\" or \"cpu\" or \"parallel\" or \"gpu\" or \"fastest\", found \"paralel\"; did you mean `parallel`?",
     ),
     ("[engine]\nobserve = [\"position\"]", "2:12: expected \"domain.property\", found \"position\""),
     (

@@ -386,7 +386,7 @@ impl<P: Scalar> Builder<P> {
         }
         let machine = Machine { estimates: self.estimates, ..machine(self.threads, self.isa, &mut faults) };
         #[cfg(feature = "gpu")]
-        let machine = Machine { device: super::device::device(&self.laws), ..machine };
+        let mut machine = Machine { device: super::device::device(&self.laws), ..machine };
         let origin = self.moving_origin.map(|property| Origin::amid(property, &mut self.domains)).transpose();
         let origin = origin.unwrap_or_else(|fault| {
             faults.push(fault);
@@ -410,6 +410,13 @@ impl<P: Scalar> Builder<P> {
             Ok(pipeline) => Faults::unless_empty(faults, pipeline)?,
             Err(more) => return Err(more.after(faults)),
         };
+        #[cfg(feature = "gpu")]
+        let (pipeline, calibration) = super::device::calibrated(
+            pipeline,
+            (&mut self.laws, &self.chains, &mut machine),
+            (&mut state, &mut *integrator),
+            (&self.observe, self.settings, self.step),
+        )?;
         log_changes(&Report::default(), &pipeline.registry.report);
         let time = state.time().to_f64();
         if let Some(step) = self.step {
@@ -435,6 +442,8 @@ impl<P: Scalar> Builder<P> {
             clock: Clock { time, since: 0, step: 0.0 },
             touched: false,
             stale: false,
+            #[cfg(feature = "gpu")]
+            calibration,
             quiet: f64::NAN,
             lent_changes: Some(0),
             kept: None,

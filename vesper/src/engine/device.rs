@@ -3,6 +3,10 @@
 //! In: laws that ask for one. Out: the device, what was moved to it and back, and a fault where it is gone with numbers that only it had.
 //! Never: a move.
 
+mod calibrate;
+
+pub(super) use calibrate::calibrated;
+
 use super::{Engine, blow_up};
 use crate::backend::gpu::{Device, Transfers};
 use crate::error::{Fault, Faults};
@@ -19,7 +23,7 @@ thread_local! {
 
 /// The graphics processor, where a law asks for one.
 pub(super) fn device<P: Scalar>(laws: &[Listed<P>]) -> Option<Result<Arc<Device>, String>> {
-    let asks = laws.iter().any(|law| law.entry.options.backend == Backend::Gpu);
+    let asks = laws.iter().any(|law| matches!(law.entry.options.backend, Backend::Gpu | Backend::Fastest));
     #[cfg(test)]
     if let Some(device) = GIVEN.with_borrow(Clone::clone).filter(|_| asks) {
         return Some(Ok(device));

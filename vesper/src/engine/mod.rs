@@ -8,6 +8,7 @@ mod build;
 mod checkpoint;
 #[cfg(feature = "gpu")]
 mod device;
+mod late;
 mod lent;
 mod machine;
 mod origin;
@@ -15,6 +16,7 @@ mod stable;
 
 pub use build::{Builder, Configure, Configured, Listing};
 pub use checkpoint::{Checkpoint, ColumnData, DomainData};
+pub use late::Late;
 
 use crate::column::Storage;
 use crate::error::{Fault, Faults};
@@ -52,6 +54,9 @@ pub struct Engine<P: Scalar> {
     touched: bool,
     /// A law was switched.
     stale: bool,
+    /// What was found where steps were timed here and there.
+    #[cfg(feature = "gpu")]
+    calibration: Vec<String>,
     /// The length of a frame that is one step in which nothing moves, and after which nothing remains; NaN where that is
     /// not known.
     quiet: f64,
@@ -473,9 +478,12 @@ impl<P: Scalar> Engine<P> {
 
     /// What the graph looks like, for people.
     pub fn explain(&self) -> String {
-        compiled_here!(<P> |engine: &Engine<P>| -> String {
+        let text = compiled_here!(<P> |engine: &Engine<P>| -> String {
             engine.pipeline.explain(&engine.state, &*engine.integrator)
-        })(self)
+        })(self);
+        #[cfg(feature = "gpu")]
+        let text = self.calibration.iter().fold(text, |text, line| text + line + "\n");
+        text
     }
 
     /// The graph in the language of Graphviz.

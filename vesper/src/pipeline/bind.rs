@@ -161,8 +161,8 @@ pub(super) fn threads(backend: Backend, work: usize, enough: usize, machine: &Ma
         Backend::Gpu if work >= enough => machine.threads,
         Backend::Cpu | Backend::Gpu => 1,
         Backend::Parallel => machine.threads,
-        Backend::Auto if work >= enough => machine.threads,
-        Backend::Auto => 1,
+        Backend::Auto | Backend::Fastest if work >= enough => machine.threads,
+        Backend::Auto | Backend::Fastest => 1,
     }
 }
 

@@ -223,6 +223,18 @@ impl<P: Scalar> Pipeline<P> {
         self.foresight.as_ref().map_or_else(unforeseen, |foresight| foresight.told(what, law))
     }
 
+    /// A quantity without waiting for the device that has it.
+    pub(crate) fn late(&self, id: QuantityId, step: u64, time: f64) -> Option<residency::Seen<P>> {
+        lock(self.residency.as_ref()?).late(What::Quantity(id), step, time)
+    }
+
+    /// Waits for all that runs on a device.
+    pub(crate) fn finish(&self) {
+        if let Some(residency) = &self.residency {
+            lock(residency).finish();
+        }
+    }
+
     /// What was moved so far.
     pub(crate) fn transfers(&self) -> Transfers {
         self.residency.as_ref().map_or_else(Transfers::default, |residency| lock(residency).moved())

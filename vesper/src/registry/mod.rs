@@ -31,6 +31,10 @@ pub enum Backend {
     /// On a graphics processor (feature `gpu`), where there is one that can; else on the host, and `explain` says why. Sums of pairs
     /// are in another order there.
     Gpu,
+    /// Where a step takes least: when the engine is built, whole steps are timed with the law here and there, and `explain` says what was
+    /// found. Without the feature `gpu` the same as `Auto`. The choice may be another one in the next run, and with it the last bits of sums
+    /// of pairs: a run that is to be repeated says where its laws run.
+    Fastest,
 }
 
 /// How a law is listed: everything about its use that is not its own.

@@ -25,7 +25,7 @@ pub use device::{Device, DeviceFault, NoDevice};
 pub(crate) use layout::{Access, Binding, Layout, Slot, Store};
 pub(crate) use links::Ends;
 pub use stream::Transfers;
-pub(crate) use stream::{Stream, Work};
+pub(crate) use stream::{Arriving, Stream, Work};
 pub(crate) use trace::{Trace, link, pair, row};
 pub(crate) use wgpu::{BindGroup, Buffer};
 pub(crate) use wgsl::{Loop, Numbers, Program, Refused, Word, write};
@@ -127,9 +127,9 @@ pub fn wgsl_of<P: Scalar>(law: &Compiled<P>) -> Result<String, NoKernel> {
 
 #[cfg(test)]
 mod tests {
+    use super::compare::compare_program;
     use super::layout::{Access, Binding, Slot, Store};
     use super::wgsl::Word;
-    use super::compare::compare_program;
     use super::{ALL, Device, Layout, Loop, Numbers, Program, Work, check, compare, wgsl_of};
     use crate::backend::{Compile, Compiled};
     use crate::prelude::*;
@@ -320,7 +320,12 @@ mod tests {
             ("a read declared both", &row, access(&row, "position_in", Access::Update), Reading("does not write")),
             ("a write declared a read", &row, access(&row, "force_out", Access::Read), Reading("writes")),
             ("an amended column declared a read", &fold, access(&fold, "position_in", Access::Read), Reading("writes")),
-            ("an amended column declared a write", &fold, access(&fold, "position_in", Access::Write), Reading("reads")),
+            (
+                "an amended column declared a write",
+                &fold,
+                access(&fold, "position_in", Access::Write),
+                Reading("reads"),
+            ),
             ("a sum declared a read", &link, access(&link, "force_end_sum", Access::Read), Reading("writes")),
             ("a sum declared a write", &link, access(&link, "force_end_sum", Access::Write), Reading("reads")),
             ("a link's value declared a write", &link, access(&link, "weight_in", Access::Write), Reading("reads")),

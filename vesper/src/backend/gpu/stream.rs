@@ -8,6 +8,7 @@ use super::device::{Device, DeviceFault, Prepared};
 use super::wgsl::{ACROSS, GROUP};
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::{Receiver, channel};
 use wgpu::{BufferDescriptor, BufferUsages, PollType};
 
 /// Programs that gather before they are sent.
@@ -132,20 +133,9 @@ impl Stream {
         let size: u64 = from.iter().map(|(_, bytes)| *bytes as u64).sum();
         let staging = match self.staging.take().filter(|staging| staging.size() >= size) {
             Some(staging) => staging,
-            None => device.device.create_buffer(&BufferDescriptor {
-                label: None,
-                size: size.next_multiple_of(8).max(8),
-                usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            }),
+            None => self::staging(device, size),
         };
-        let mut encoder = match self.open.take() {
-            Some(Open { pass, encoder, .. }) => {
-                drop(pass);
-                encoder
-            }
-            None => device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default()),
-        };
+        let mut encoder = self.encoder(device);
         let mut at = 0;
         for (buffer, bytes) in from.iter().filter(|(_, bytes)| *bytes > 0) {
             encoder.copy_buffer_to_buffer(buffer, 0, &staging, at, *bytes as u64);
@@ -155,16 +145,14 @@ impl Stream {
         self.moved.downloads += from.len() as u64;
         self.moved.downloaded += size;
         self.moved.waits += 1;
-        let (sender, receiver) = std::sync::mpsc::channel();
-        // Who waits is still there.
-        staging.map_async(wgpu::MapMode::Read, ..size.max(8), move |mapped| drop(sender.send(mapped)));
+        let arrived = mapped(&staging, size);
         if let Some(last) = self.sent.pop_back() {
             // All that was sent before has ended, too.
             self.sent.clear();
             wait(device, last)?;
         }
         let lost = || DeviceFault::Lost("its memory cannot be read".to_owned());
-        receiver.try_recv().ok().and_then(Result::ok).ok_or_else(lost)?;
+        arrived.try_recv().ok().and_then(Result::ok).ok_or_else(lost)?;
         {
             let mapped = staging.get_mapped_range(..size.max(8)).map_err(|_| lost())?;
             take(&mapped[..size as usize]);
@@ -174,6 +162,29 @@ impl Stream {
         Ok(())
     }
 
+    /// Sends what is recorded, and behind it a copy of so many bytes of a buffer, which nobody waits for.
+    pub(crate) fn copy(&mut self, device: &Device, from: &wgpu::Buffer, bytes: u64) -> Arriving {
+        let staging = staging(device, bytes);
+        let mut encoder = self.encoder(device);
+        encoder.copy_buffer_to_buffer(from, 0, &staging, 0, bytes);
+        self.send(device, encoder);
+        self.moved.downloads += 1;
+        self.moved.downloaded += bytes;
+        let arrived = mapped(&staging, bytes);
+        Arriving { staging, bytes, arrived }
+    }
+
+    /// What is recorded, to go on recording.
+    fn encoder(&mut self, device: &Device) -> wgpu::CommandEncoder {
+        match self.open.take() {
+            Some(Open { pass, encoder, .. }) => {
+                drop(pass);
+                encoder
+            }
+            None => device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default()),
+        }
+    }
+
     /// Waits until all that was recorded is done.
     pub(crate) fn finish(&mut self, device: &Device) -> Result<(), DeviceFault> {
         self.submit(device);
@@ -181,6 +192,42 @@ impl Stream {
         self.sent.clear();
         last.map_or(Ok(()), |last| wait(device, last))
     }
+}
+
+/// A copy that is on its way to the host.
+pub(crate) struct Arriving {
+    staging: wgpu::Buffer,
+    bytes: u64,
+    arrived: Arrived,
+}
+
+type Arrived = Receiver<Result<(), wgpu::BufferAsyncError>>;
+
+impl Arriving {
+    /// The bytes, if they have arrived; nothing where the device is gone.
+    pub(crate) fn bytes(&self) -> Option<Vec<u8>> {
+        self.arrived.try_recv().ok()?.ok()?;
+        let mapped = self.staging.get_mapped_range(..self.bytes.max(8)).ok()?;
+        Some(mapped[..self.bytes as usize].to_vec())
+    }
+}
+
+/// A buffer for so many bytes that come back.
+fn staging(device: &Device, bytes: u64) -> wgpu::Buffer {
+    device.device.create_buffer(&BufferDescriptor {
+        label: None,
+        size: bytes.next_multiple_of(8).max(8),
+        usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+/// Asks for a buffer to be readable once what was sent is done.
+fn mapped(staging: &wgpu::Buffer, bytes: u64) -> Arrived {
+    let (sender, receiver) = channel();
+    // Who asked may have gone.
+    staging.map_async(wgpu::MapMode::Read, ..bytes.max(8), move |mapped| drop(sender.send(mapped)));
+    receiver
 }
 
 /// Waits until a device has done what was sent.

@@ -4,7 +4,7 @@
 //! run, and clients that look. Never: a law.
 
 use super::ledger::{Ledger, Side, Touch};
-use crate::backend::gpu::{Access, Buffer, Device, DeviceFault, Stream, Transfers, Work};
+use crate::backend::gpu::{Access, Arriving, Buffer, Device, DeviceFault, Stream, Transfers, Work};
 use crate::column::{Away, Elsewhere};
 use crate::pipeline::bind::{Base, Located};
 use crate::real::Scalar;
@@ -41,12 +41,24 @@ struct Column<P> {
     last: bool,
 }
 
+/// The step and the time of numbers, and these, by component.
+pub(crate) type Seen<P> = (u64, f64, Vec<Vec<P>>);
+
+/// Numbers that somebody asked for and does not wait for.
+struct Late {
+    column: usize,
+    step: u64,
+    time: f64,
+    copy: Arriving,
+}
+
 /// Where the numbers of a pipeline are.
 pub(crate) struct Residency<P: Scalar> {
     pub(super) device: Arc<Device>,
     pub(super) ledger: Ledger,
     columns: Vec<Column<P>>,
     stream: Stream,
+    arriving: Vec<Late>,
     /// Sums of vectors that were asked for.
     pub(super) sums: HashMap<super::vectors::Key, super::vectors::SumOf>,
     /// Whether the device is gone, and that is in the books.
@@ -80,6 +92,7 @@ impl<P: Scalar> Residency<P> {
             ledger,
             columns: Vec::new(),
             stream,
+            arriving: Vec::new(),
             sums: HashMap::new(),
             failed: false,
             unseen: false,
@@ -153,6 +166,40 @@ impl<P: Scalar> Residency<P> {
     /// Whether the device no longer answers.
     pub(crate) fn is_lost(&self) -> bool {
         self.failed
+    }
+
+    /// The newest numbers of a column that have arrived of those that were asked for, with the step and the time that they are of; and asks
+    /// for those of now.
+    pub(crate) fn late(&mut self, what: What, step: u64, time: f64) -> Option<Seen<P>> {
+        let column = self.find(what)?;
+        if let Some(fault) = self.device.look() {
+            self.fail(&fault);
+            return None;
+        }
+        let mut newest = None;
+        self.arriving.retain(|late| {
+            let bytes = if late.column == column { late.copy.bytes() } else { None };
+            let stays = bytes.is_none();
+            newest = bytes.map(|bytes| (late.step, late.time, bytes)).or_else(|| newest.take());
+            stays
+        });
+        let of_column = || self.arriving.iter().filter(|late| late.column == column);
+        let (count, asked) = (of_column().count(), of_column().any(|late| late.step == step));
+        if let Some(buffer) = self.columns[column].buffer.as_ref().filter(|_| count < 2 && !asked) {
+            let copy = self.stream.copy(&self.device, buffer, self.columns[column].bytes() as u64);
+            self.arriving.push(Late { column, step, time, copy });
+        }
+        let (step, time, bytes) = newest?;
+        let mut rest = bytes.as_slice();
+        let components = self.columns[column].components.iter().map(|located| {
+            let mut numbers = vec![P::default(); located.len];
+            let (own, later) = rest.split_at(size_of_val(numbers.as_slice()));
+            rest = later;
+            // SAFETY: there are as many numbers, of f32 or f64: any bytes are some.
+            unsafe { numbers.as_mut_ptr().cast::<u8>().copy_from_nonoverlapping(own.as_ptr(), own.len()) };
+            numbers
+        });
+        Some((step, time, components.collect()))
     }
 
     /// Finds a loss that nobody has noticed yet, before more is lost; whether there was one since this was last asked.
