@@ -22,12 +22,12 @@ fn galaxy([force, motion]: [&str; 2]) -> Engine<f32> {
     assemble::engine::<f32>(&scene).unwrap()
 }
 
-/// What the client looks at, and when.
+/// What the client looks at after each frame; or at positions after the last one.
 #[derive(Clone, Copy, Debug)]
 enum Looks {
-    AtPositions,
-    AtAll,
-    AtPositionsInTheEnd,
+    Positions,
+    All,
+    InTheEnd,
 }
 
 /// What a run moved: columns to the device and to the host, in the first frame, in each later one, and when the client looked in the end.
@@ -58,9 +58,9 @@ fn run(places: [&str; 2], looks: Looks) -> (Moved, Engine<f32>) {
     for _ in 0..FRAMES {
         engine.advance(0.01).unwrap();
         match looks {
-            Looks::AtPositions => look(&engine, &[Position.info()]),
-            Looks::AtAll => look(&engine, &[Position.info(), Velocity.info(), Mass.info()]),
-            Looks::AtPositionsInTheEnd => {}
+            Looks::Positions => look(&engine, &[Position.info()]),
+            Looks::All => look(&engine, &[Position.info(), Velocity.info(), Mass.info()]),
+            Looks::InTheEnd => {}
         }
         frames.push(since(&engine));
     }
@@ -77,26 +77,26 @@ fn a_galaxy_moves_what_somebody_reads_and_nothing_else() {
         Err(error) => {
             assert!(std::env::var("VESPER_REQUIRE_GPU").is_ok_and(|required| required == "0"), "{error}");
             // Then it runs on the host, and says why.
-            let (moved, engine) = run(["gpu"; 2], Looks::AtPositions);
+            let (moved, engine) = run(["gpu"; 2], Looks::Positions);
             assert_eq!(moved, Moved { first: [0, 0], later: [0, 0], end: [0, 0] });
             return assert!(engine.explain().contains("not on the graphics processor: "), "{}", engine.explain());
         }
     };
-    let (none, host) = run(["cpu", "cpu"], Looks::AtPositions);
+    let (none, host) = run(["cpu", "cpu"], Looks::Positions);
     assert_eq!(none, Moved { first: [0, 0], later: [0, 0], end: [0, 0] });
 
     // The force there, the motion here: places go there, forces come back. In the first frame masses go, too, and there are two
     // evaluations.
-    let (mixed, there) = run(["gpu", "cpu"], Looks::AtPositions);
+    let (mixed, there) = run(["gpu", "cpu"], Looks::Positions);
     assert_eq!(mixed, Moved { first: [3, 2], later: [1, 1], end: [0, 0] });
 
     // All there: places, velocities and masses go once, what is looked at comes back.
-    let (all, looked) = run(["gpu", "gpu"], Looks::AtPositions);
+    let (all, looked) = run(["gpu", "gpu"], Looks::Positions);
     assert_eq!(all, Moved { first: [3, 1], later: [0, 1], end: [0, 0] });
-    let (every, seen) = run(["gpu", "gpu"], Looks::AtAll);
+    let (every, seen) = run(["gpu", "gpu"], Looks::All);
     // Masses never left.
     assert_eq!(every, Moved { first: [3, 2], later: [0, 2], end: [0, 0] });
-    let (late, blind) = run(["gpu", "gpu"], Looks::AtPositionsInTheEnd);
+    let (late, blind) = run(["gpu", "gpu"], Looks::InTheEnd);
     assert_eq!(late, Moved { first: [3, 0], later: [0, 0], end: [0, 1] });
     println!("on {}: {:?}", device.name(), blind.transfers());
 
