@@ -94,7 +94,8 @@ pub struct SceneArguments {
     #[arg(long, value_name = "f32|f64|double-double")]
     pub precision: Option<String>,
     /// Where laws run that do not say
-    #[arg(long, value_name = "auto|cpu|parallel")]
+    #[cfg_attr(not(feature = "gpu"), arg(long, value_name = "auto|cpu|parallel"))]
+    #[cfg_attr(feature = "gpu", arg(long, value_name = "auto|cpu|parallel|gpu|fastest"))]
     pub backend: Option<String>,
     /// Threads, strictness, single values.
     #[command(flatten)]
@@ -171,7 +172,8 @@ pub struct Study {
     /// Every run also with the rounding errors of the state kept and added back [default: those that rounding limits]
     #[arg(long)]
     pub compensated: bool,
-    /// Backends to try: auto, cpu, parallel
+    #[cfg_attr(not(feature = "gpu"), doc = "Backends to try: auto, cpu, parallel")]
+    #[cfg_attr(feature = "gpu", doc = "Backends to try: auto, cpu, parallel, gpu")]
     #[arg(long, value_name = "B,..", value_delimiter = ',', default_value = "auto")]
     pub backends: Vec<String>,
     /// The largest error: tell the cheapest way to it, with the evidence

@@ -312,7 +312,13 @@ fn grid(arguments: &Study) -> Result<Grid, Vec<SceneFault>> {
     };
     let widens = arguments.precisions.is_empty();
     let precisions = words("--precisions", &arguments.precisions, &PRECISIONS);
-    let backends = [("auto", Backend::Auto), ("cpu", Backend::Cpu), ("parallel", Backend::Parallel)];
+    let backends = [
+        ("auto", Backend::Auto),
+        ("cpu", Backend::Cpu),
+        ("parallel", Backend::Parallel),
+        #[cfg(feature = "gpu")]
+        ("gpu", Backend::Gpu),
+    ];
     let backends = words("--backends", &arguments.backends, &backends);
     let mut precisions = precisions.map_err(|more| faults.extend(more)).unwrap_or_default();
     if widens {

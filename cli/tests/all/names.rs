@@ -42,6 +42,7 @@ const TABLE: &[(&str, &str)] = &[
         "[[laws]]\nname = \"gravity\"\nsoftening = { value = 1e300, unit = \"Ypc\" }",
         "8:23: `softening` is too large in m",
     ),
+    #[cfg(not(feature = "gpu"))]
     (
         "[[laws]]\nname = \"gravity\"\nbackend = \"gpu\"",
         "8:11: this build has no GPU backend; use auto, cpu or parallel, or build it with the feature `gpu`",
@@ -95,6 +96,7 @@ const ENGINES: &[(&str, &str)] = &[
         "3:43: `dormand_prince_8` has no option `rtoll`; did you mean `rtol`?",
     ),
     ("end = 1\nintegrator = { name = \"dormand_prince_5\", rtol = 0 }", "3:50: expected a number above 0 for `rtol`"),
+    #[cfg(not(feature = "gpu"))]
     (
         "step = 1\nend = 1\nbackend = \"gpu\"",
         "4:11: this build has no GPU backend; use auto, cpu or parallel, or build it with the feature `gpu`",
