@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 /// Who takes the numbers of columns somewhere else. Columns are known by numbers of its own.
 pub(crate) trait Elsewhere: Send + Sync {
-    /// Brings the numbers of a column back to where they belong; the flag of its [`Away`] is taken down before this returns.
+    /// Brings the numbers of a column back to where they belong; its [`Flags`] say so before this returns.
     fn bring(&self, column: usize);
     /// The same, and they are going to be changed there: what is elsewhere no longer counts.
     fn hand_over(&self, column: usize);
@@ -16,24 +16,41 @@ pub(crate) trait Elsewhere: Send + Sync {
     fn forget(&self, column: usize);
 }
 
+/// What is known of a column without asking who has its numbers. Who that is changes them: to true only while an engine runs, which nobody
+/// looks at then.
+#[derive(Debug, Default)]
+pub(crate) struct Flags {
+    /// Whether newer numbers than the column's are elsewhere.
+    stale: AtomicBool,
+    /// Whether its numbers are elsewhere, too.
+    copied: AtomicBool,
+}
+
+impl Flags {
+    #[cfg(feature = "gpu")]
+    pub(crate) fn set(&self, stale: bool, copied: bool) {
+        self.copied.store(copied, Ordering::Release);
+        // Last: whoever sees that it is not stale sees its numbers.
+        self.stale.store(stale, Ordering::Release);
+    }
+}
+
 /// A column's knowledge of whoever takes its numbers away.
 pub(crate) struct Away {
     who: Arc<dyn Elsewhere>,
     column: usize,
-    /// Whether newer numbers than the column's are elsewhere. Only changed while an engine runs, which nobody looks at then, and from
-    /// true to false under the lock of `who`.
-    stale: Arc<AtomicBool>,
+    flags: Arc<Flags>,
 }
 
 impl Away {
     #[cfg(feature = "gpu")]
-    pub(crate) fn new(who: Arc<dyn Elsewhere>, column: usize, stale: Arc<AtomicBool>) -> Self {
-        Away { who, column, stale }
+    pub(crate) fn new(who: Arc<dyn Elsewhere>, column: usize, flags: Arc<Flags>) -> Self {
+        Away { who, column, flags }
     }
 
     /// Whether newer numbers than the column's are elsewhere.
     pub(crate) fn is_stale(&self) -> bool {
-        self.stale.load(Ordering::Acquire)
+        self.flags.stale.load(Ordering::Acquire)
     }
 
     /// Has the numbers brought back, for somebody who looks at them.
@@ -46,7 +63,9 @@ impl Away {
 
     /// Has the numbers brought back, for somebody who changes them.
     pub(crate) fn hand_over(&self) {
-        self.who.hand_over(self.column);
+        if self.is_stale() || self.flags.copied.load(Ordering::Acquire) {
+            self.who.hand_over(self.column);
+        }
     }
 }
 

@@ -12,7 +12,7 @@ mod values;
 pub(crate) use aligned::{Aligned, Block, is_long, staggered, whole};
 pub(crate) use away::Away;
 #[cfg(feature = "gpu")]
-pub(crate) use away::Elsewhere;
+pub(crate) use away::{Elsewhere, Flags};
 pub(crate) use lent::LentMemory;
 pub use lent::{Lent, Memory, RawRows};
 pub use values::Values;
@@ -91,6 +91,12 @@ impl<P: Scalar> Column<P> {
         if let Some(away) = &self.away {
             away.hand_over();
         }
+    }
+
+    /// Its numbers are here from now on, and nowhere else.
+    pub(crate) fn come_back(&mut self) {
+        self.hand_over();
+        self.away = None;
     }
 
     /// Whether newer numbers are elsewhere.

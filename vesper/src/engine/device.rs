@@ -44,7 +44,9 @@ impl<P: Scalar> Engine<P> {
 
     /// Foresees what frames will move, for `explain`.
     pub(super) fn foresee(&mut self) {
-        self.pipeline.foresight = self.pipeline.foresee(&mut *self.integrator);
+        // An origin that moves follows the rows where they are.
+        let follows = self.state.origin.is_some();
+        self.pipeline.foresight = if follows { None } else { self.pipeline.foresee(&mut *self.integrator) };
     }
 
     /// Numbers that have come back from a device are looked at, and a loss of some is told.
@@ -58,6 +60,10 @@ impl<P: Scalar> Engine<P> {
         }
         if let Some(reason) = self.pipeline.loss() {
             return Err(Fault::DeviceLost { reason }.into());
+        }
+        // Of another layout nothing is known yet.
+        if !self.pipeline.have_returned() || self.pipeline.layout != self.state.layout() {
+            return Ok(());
         }
         blow_up::check(&self.pipeline, &self.state, self.machine.isa, (self.steps, self.time()))
     }
@@ -337,6 +343,8 @@ mod tests {
         there.steps_of(4, 0.125).unwrap();
         assert_eq!(here.state().hash(), there.state().hash());
         assert_eq!(there.backends(), [Some(Backend::Cpu); 2]);
+        let text = there.explain();
+        assert!(text.contains("    not on the graphics processor: it is gone") && text.contains("  rows: "), "{text}");
     }
 
     #[test]
@@ -386,6 +394,66 @@ mod tests {
         assert_eq!(here.state().hash(), there.state().hash());
     }
 
+    /// Numbers follow their state to another engine, whose laws run elsewhere.
+    #[test]
+    fn states_may_change_engines() {
+        let Some([mut here, mut there]) = here_and_there() else { return };
+        let mut alone = engine(Backend::Cpu);
+        for engine in [&mut here, &mut there, &mut alone] {
+            engine.steps_of(3, 0.125).unwrap();
+        }
+        core::mem::swap(here.state_mut(), there.state_mut());
+        for engine in [&mut here, &mut there, &mut alone] {
+            engine.steps_of(3, 0.125).unwrap();
+        }
+        for engine in [&here, &there] {
+            assert_eq!(engine.state().hash(), alone.state().hash());
+        }
+        let kept = core::mem::replace(there.state_mut(), here.state().clone());
+        drop(there);
+        assert_eq!(kept.hash(), alone.state().hash());
+    }
+
+    /// A state of another shape in the place of one whose numbers are on a device.
+    #[test]
+    fn a_state_may_be_replaced_by_a_smaller_one() {
+        let Some([_, mut there]) = here_and_there() else { return };
+        there.steps_of(3, 0.125).unwrap();
+        let rows = Domain::new("rows").rows(2).with(Position, [DVec3::X; 2]).with(Mass, [1.0; 2]);
+        let other = Engine::<f32>::builder().domain(rows.with(Velocity, [DVec3::Y; 2])).build().unwrap();
+        *there.state_mut() = other.state().clone();
+        there.steps_of(3, 0.125).unwrap();
+        assert_eq!(there.state().numbers("rows", Position).unwrap().len(), 6);
+    }
+
+    /// A pull that is none once a row is at the origin.
+    #[derive(Law, Clone, Copy, Debug)]
+    #[law(reads(position: Position), adds(force: Force))]
+    struct Singular;
+
+    #[kernel]
+    impl<R: Real> RowLaw<R> for Singular {
+        fn row(&self, row: SingularRow<R>) -> R::Vec3 {
+            row.position * (R::lit(1.0) / row.position.x()).sqrt()
+        }
+    }
+
+    /// Nobody looks, and yet the step and the law are found.
+    #[test]
+    fn a_number_that_becomes_none_on_a_device_is_traced() {
+        if here_and_there().is_none() {
+            return;
+        }
+        let rows = Domain::new("rows").rows(2).with(Position, [DVec3::X; 2]).with(Velocity, [DVec3::X * -4.0; 2]);
+        let builder = Engine::<f32>::builder().domain(rows).law(Singular).law(Move).backend(Backend::Gpu);
+        let mut engine = builder.integrator(SemiImplicitEuler).step(0.125).build().unwrap();
+        engine.trace_blow_ups(true);
+        let told = (0..8).find_map(|_| engine.advance(0.125).err()).unwrap().to_string();
+        assert!(told.contains("singular is the first law whose result is not finite"), "{told}");
+        let places = engine.state().numbers("rows", Position).unwrap();
+        assert!(places.iter().all(|number| number.is_finite()), "{places:?}");
+    }
+
     fn counts(now: Transfers, before: Transfers) -> [u64; 4] {
         let of = |moved: Transfers| [moved.uploads, moved.uploaded, moved.downloads, moved.downloaded];
         core::array::from_fn(|k| of(now)[k] - of(before)[k])
@@ -396,7 +464,10 @@ mod tests {
     fn planned_moves_are_the_moves() {
         let _given = Given::new(Device::without_driver());
         let (mut dice, mut moved, mut on_device) = (Dice { seed: 1, host: false }, 0, 0);
-        for number in 0..200 {
+        for number in 0.. {
+            if on_device == 200 {
+                break;
+            }
             let mut engine = crowd(&mut dice);
             // As it was foreseen when the engine was built, but for more frames.
             let Some(foreseen) = engine.pipeline.foresee_frames(&mut *engine.integrator, 6) else { continue };
@@ -420,6 +491,6 @@ mod tests {
                 before = now;
             }
         }
-        assert!(on_device > 120 && moved > 1 << 20, "{on_device} pipelines, {moved} bytes");
+        assert!(moved > 1 << 20, "{moved} bytes");
     }
 }

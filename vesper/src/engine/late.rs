@@ -24,7 +24,8 @@ impl<P: Scalar> Engine<P> {
     /// none has arrived. Where the newest numbers are on the host, these.
     ///
     /// # Errors
-    /// There is no such domain or property, nobody observes it, or it is a link or lent memory, which is the client's anyway.
+    /// There is no such domain or property, nobody observes it, it is a link, or lent memory, which is the client's anyway; or the graphics
+    /// processor is gone, and its numbers with it.
     pub fn observe_late(&mut self, domain: &str, property: impl AsProperty) -> Result<Option<Late<P>>, Fault> {
         let info = property.info();
         let column = self.state.column(domain, info.name)?;
@@ -33,6 +34,9 @@ impl<P: Scalar> Engine<P> {
         if column.is_away() {
             let id = self.state.domain_index(domain).and_then(|at| self.pipeline.registry.find(at, info.name));
             let late = id.and_then(|id| self.pipeline.late(id, step, time));
+            if let Some(reason) = self.pipeline.loss() {
+                return Err(Fault::DeviceLost { reason });
+            }
             return Ok(late.map(|(step, time, components)| Late { step, time, components }));
         }
         let components = column.components().ok_or_else(|| Fault::Kind {

@@ -24,7 +24,6 @@ pub(super) fn with_runner<P: Scalar, T>(
         if let Some(work) = work.take() {
             let mut runner = Runner::new(pipeline, state, (laws, chains, machine), lent, (time, step));
             result = Some(work(&mut runner));
-            runner.end();
         }
     })?;
     #[cfg(feature = "gpu")]

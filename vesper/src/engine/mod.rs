@@ -1,7 +1,7 @@
 //! Client time: frames cut into steps, and everything a client may do between them.
 //!
 //! In: a builder's domains, fields, laws, integrator, observers. Out: [`Engine`], which advances a state by frames.
-//! Never: a law of physics, a file, a clock.
+//! Never: a law of physics, a file; a clock, but while it is built, for laws that are to run where that is fastest.
 
 mod blow_up;
 mod build;
@@ -241,6 +241,10 @@ impl<P: Scalar> Engine<P> {
             // It may have come some way.
             self.clock = Clock { time, since: steps, step };
             return Err(fault.into());
+        }
+        if self.kept.is_some() {
+            // Who traces numbers that become none looks at all of them.
+            self.pipeline.come_home(false);
         }
         blow_up::check(&self.pipeline, &self.state, self.machine.isa, (self.steps, self.time()))?;
         if self.state.recentre() {

@@ -22,6 +22,10 @@ impl Integrator for ExplicitEuler {
         1
     }
 
+    fn steps_alike(&self) -> bool {
+        true
+    }
+
     // |1 + z| <= 1
     fn stable_limits(&self, _second_order: bool) -> Option<StableLimits> {
         Some(StableLimits { oscillation: 0.0, decay: 2.0, kicks: false })

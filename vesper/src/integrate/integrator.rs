@@ -153,6 +153,11 @@ pub trait Integrator: Send {
     fn is_beyond_f64(&self) -> bool {
         false
     }
+    /// Whether every step asks the same of the system, whatever the numbers are: what a step moves to and from a device can then be foreseen,
+    /// by a step on a system without numbers.
+    fn steps_alike(&self) -> bool {
+        false
+    }
     /// Whether it asks for what turns momenta apart from their other rates.
     fn rotates(&self) -> bool {
         false

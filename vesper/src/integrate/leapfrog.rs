@@ -34,6 +34,10 @@ impl Integrator for Leapfrog {
         2
     }
 
+    fn steps_alike(&self) -> bool {
+        true
+    }
+
     // Where the second kick is predicted, decay is that of 1 + z + z^2 / 2.
     fn stable_limits(&self, _second_order: bool) -> Option<StableLimits> {
         Some(StableLimits { oscillation: 2.0, decay: 2.0, kicks: true })

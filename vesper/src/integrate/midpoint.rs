@@ -26,6 +26,10 @@ impl Integrator for Midpoint {
         2
     }
 
+    fn steps_alike(&self) -> bool {
+        true
+    }
+
     // |1 + z + z^2 / 2| <= 1
     fn stable_limits(&self, _second_order: bool) -> Option<StableLimits> {
         Some(StableLimits { oscillation: 0.0, decay: 2.0, kicks: false })

@@ -74,6 +74,10 @@ impl Integrator for Respa {
         2
     }
 
+    fn steps_alike(&self) -> bool {
+        true
+    }
+
     fn work_vectors(&self) -> usize {
         2
     }

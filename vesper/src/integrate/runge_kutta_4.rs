@@ -25,6 +25,10 @@ impl Integrator for RungeKutta4 {
         4
     }
 
+    fn steps_alike(&self) -> bool {
+        true
+    }
+
     // |1 + z + z^2 / 2 + z^3 / 6 + z^4 / 24| <= 1
     fn stable_limits(&self, _second_order: bool) -> Option<StableLimits> {
         Some(StableLimits { oscillation: 2.828, decay: 2.785, kicks: false })

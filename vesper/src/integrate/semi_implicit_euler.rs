@@ -22,6 +22,10 @@ impl Integrator for SemiImplicitEuler {
         1
     }
 
+    fn steps_alike(&self) -> bool {
+        true
+    }
+
     fn stable_limits(&self, _second_order: bool) -> Option<StableLimits> {
         Some(StableLimits { oscillation: 2.0, decay: 2.0, kicks: true })
     }

@@ -67,18 +67,19 @@ impl<P: Scalar> DevicePass<P> {
     /// Runs the pass on the device; false where the host has to: its columns are there then.
     pub(super) fn run(&self, context: &Context<'_, P>) -> bool {
         let Some(shared) = &context.residency else { return false };
-        let mut residency = lock(shared);
-        // Whoever looks for the first law that gives no number looks after each of them, and so does the host.
-        if residency.is_lost() || context.is_watched() {
-            residency.on_host(&self.on_host, context.lent);
-            return false;
+        {
+            let mut residency = lock(shared);
+            residency.bring(&self.constants, context.lent);
+            // Whoever looks for the first law that gives no number looks after each of them, and so does the host.
+            if residency.is_lost() || context.is_watched() {
+                residency.on_host(&self.on_host, context.lent);
+                return false;
+            }
+            residency.on_device(&self.touches, context.lent);
         }
-        if !self.constants.is_empty() {
-            residency.on_host(&self.constants, context.lent);
-        }
-        residency.on_device(&self.touches, context.lent);
         let first = self.calls.iter().find_map(|call| call.law).unwrap_or_default();
         context.timed(first, || {
+            let mut residency = lock(shared);
             for call in &self.calls {
                 let (prepared, group) = (&call.prepared, &call.group);
                 residency.record(&Work { prepared, group, call: call.words(context), rows: call.rows });
@@ -143,11 +144,29 @@ impl<P: Scalar> Context<'_, P> {
     }
 }
 
+impl<P: Scalar> Drop for Runner<'_, P> {
+    /// The client's memory is what it was lent for, when the client gets it back: also after a panic.
+    fn drop(&mut self) {
+        if let Some(residency) = &self.context.residency {
+            lock(residency).end(self.context.lent);
+        }
+    }
+}
+
+impl<P: Scalar> Drop for Pipeline<P> {
+    fn drop(&mut self) {
+        if let Some(residency) = &self.residency {
+            lock(residency).forget_vectors();
+        }
+    }
+}
+
 impl<P: Scalar> Runner<'_, P> {
     /// Sums vectors that are on a device; whether nothing is left for the host.
     pub(super) fn linear_on_device(&mut self, combination: &Combination<'_>) -> bool {
         let Some(residency) = &self.context.residency else { return false };
         let vectors = &self.pipeline.vectors;
+        vectors.check_momenta(combination);
         match lock(residency).linear(vectors, combination, self.context.lent) {
             Left::Nothing => true,
             Left::All => false,
@@ -206,7 +225,7 @@ impl<P: Scalar> Pipeline<P> {
     /// What frames move, for people.
     pub(super) fn moves(&self, state: &State<P>) -> Vec<String> {
         let passes = || self.programs.iter().flat_map(|program| &program.passes);
-        if !passes().any(|pass| matches!(pass.pass, Pass::Device(_))) {
+        if self.has_lost_device() || !passes().any(|pass| matches!(pass.pass, Pass::Device(_))) {
             return Vec::new();
         }
         let name = |id| self.registry.name(id, state);
@@ -235,9 +254,19 @@ impl<P: Scalar> Pipeline<P> {
         }
     }
 
+    /// Whether there was a device, and it is gone.
+    pub(super) fn has_lost_device(&self) -> bool {
+        self.residency.as_ref().is_some_and(|residency| lock(residency).is_lost())
+    }
+
     /// What was moved so far.
     pub(crate) fn transfers(&self) -> Transfers {
         self.residency.as_ref().map_or_else(Transfers::default, |residency| lock(residency).moved())
+    }
+
+    /// Whether numbers have come from a device since this was last asked.
+    pub(crate) fn have_returned(&self) -> bool {
+        self.residency.as_ref().is_some_and(|residency| lock(residency).have_returned())
     }
 
     /// Whether the device was lost since this was last asked.

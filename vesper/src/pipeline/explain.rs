@@ -55,6 +55,10 @@ impl<P: Scalar> Pipeline<P> {
             line(format!("{asked}: {count}"));
             for pass in passes {
                 line(format!("  {}", self.pass(pass)));
+                #[cfg(feature = "gpu")]
+                if let (true, Pass::Device(_)) = (self.has_lost_device(), &pass.pass) {
+                    line("    not on the graphics processor: it is gone".to_owned());
+                }
                 if let Some(reason) = &pass.refused {
                     line(format!("    not on the graphics processor: {reason}"));
                 }
@@ -76,7 +80,7 @@ impl<P: Scalar> Pipeline<P> {
     /// The most threads that a pass of this law uses; 0 where none runs.
     pub(crate) fn threads(&self, law: usize) -> usize {
         let passes = self.programs.iter().flat_map(|program| &program.passes).filter(|pass| pass.laws.contains(&law));
-        let threads = passes.map(|pass| match &pass.pass {
+        let threads = passes.map(|pass| match self.where_it_runs(&pass.pass) {
             #[cfg(feature = "gpu")]
             Pass::Device(_) => 1,
             Pass::Group(group) => group.threads(),
@@ -91,8 +95,18 @@ impl<P: Scalar> Pipeline<P> {
     #[cfg(feature = "gpu")]
     pub(crate) fn is_on_device(&self, law: usize) -> bool {
         let mut passes = self.programs.iter().flat_map(|program| &program.passes);
-        passes.any(|pass| pass.laws.contains(&law) && matches!(&pass.pass, Pass::Device(_)))
-            && self.residency.as_ref().is_some_and(|residency| !super::device::lock(residency).is_lost())
+        let on_device = |pass: &Pass<P>| matches!(self.where_it_runs(pass), Pass::Device(_));
+        passes.any(|pass| pass.laws.contains(&law) && on_device(&pass.pass))
+    }
+
+    /// A pass, or that of the host where the device of this one is gone.
+    #[cfg_attr(not(feature = "gpu"), expect(clippy::unused_self, reason = "all are the host's"))]
+    fn where_it_runs<'p>(&self, pass: &'p Pass<P>) -> &'p Pass<P> {
+        match pass {
+            #[cfg(feature = "gpu")]
+            Pass::Device(on_device) if self.has_lost_device() => &on_device.host,
+            own => own,
+        }
     }
 
     fn described(&self, seat: &Seat, state: &State<P>) -> String {
@@ -135,7 +149,7 @@ impl<P: Scalar> Pipeline<P> {
         laws.dedup();
         let laws = laws.join(", ");
         let threads = |threads: usize| if threads > 1 { format!(", {threads} threads") } else { String::new() };
-        match &pass.pass {
+        match self.where_it_runs(&pass.pass) {
             #[cfg(feature = "gpu")]
             Pass::Device(_) => format!("on the graphics processor: {laws}"),
             Pass::Group(group) => {

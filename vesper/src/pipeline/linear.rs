@@ -14,9 +14,7 @@ impl<P: Scalar> Vectors<P> {
     /// The state that the vectors were laid out for is held, and `lent` are the addresses of its lent memory.
     pub(crate) unsafe fn linear(&self, combination: &Combination<'_>, lent: &[*mut P], isa: Isa) {
         let Combination { part, terms, momenta, .. } = *combination;
-        // Anyone may write an integrator: one that asks for what is not there gets a panic, and never other memory.
-        let paired = momenta.len() == 0 || part == Part::Coordinates && self.momentum_behind.is_some();
-        assert!(paired, "momenta are summed to the coordinates they move, where coordinates_follow_momenta");
+        self.check_momenta(combination);
         // SAFETY: passed on to the caller.
         unsafe {
             if momenta.len() + terms.len() > TERMS {
@@ -49,6 +47,12 @@ impl<P: Scalar> Vectors<P> {
             }
             (left, adds) = ((momenta_left, terms_left), true);
         }
+    }
+
+    /// Anyone may write an integrator: one that asks for what is not there gets a panic, and never other memory.
+    pub(super) fn check_momenta(&self, Combination { part, momenta, .. }: &Combination<'_>) {
+        let paired = momenta.len() == 0 || *part == Part::Coordinates && self.momentum_behind.is_some();
+        assert!(paired, "momenta are summed to the coordinates they move, where coordinates_follow_momenta");
     }
 
     /// More terms than are summed in one pass.

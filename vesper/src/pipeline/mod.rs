@@ -47,6 +47,7 @@ pub(crate) use tangent::Tangent;
 pub(crate) use vectors::{Vectors, lent_columns};
 
 use crate::backend::{Compiled, Kernel};
+use crate::column::Column;
 use crate::error::{Fault, Faults, PairWord};
 use crate::graph::Graph;
 use crate::integrate::{Integrator, Structure};
@@ -61,7 +62,7 @@ use std::sync::{Arc, Mutex};
 use switches::Switches;
 use turning::{Turning, turnings, without_turning};
 
-/// Watches how long laws take. The core starts no clock: whoever wants times brings one.
+/// Watches how long laws take. Runs start no clock: whoever wants times brings one.
 pub trait Probe: Send + Sync {
     /// The time now, in any unit.
     fn now(&self) -> u64;
@@ -158,6 +159,9 @@ impl<P: Scalar> Pipeline<P> {
         machine: &Machine,
     ) -> Result<Self, Faults> {
         let Settings { strict, compensated, across_jumps } = settings;
+        // Whoever had its numbers elsewhere, this pipeline is not who.
+        let columns = state.domains.iter_mut().flat_map(|domain| domain.columns.iter_mut().chain(&mut domain.previous));
+        columns.for_each(Column::come_back);
         let entries: Vec<Entry> = laws.iter().map(|law| law.entry.clone().with_own_switches()).collect();
         let mut registry = Registry::new(&entries, state, observe, strict)?;
         let graph = Graph::new(&entries, &registry, state)?;

@@ -245,15 +245,6 @@ impl<P: Scalar> Runner<'_, P> {
         }
     }
 
-    /// All is done: the client's memory is to be what it was lent for, when the client gets it back.
-    #[cfg_attr(not(feature = "gpu"), expect(clippy::unused_self, reason = "it is without a device"))]
-    pub(crate) fn end(&self) {
-        #[cfg(feature = "gpu")]
-        if let Some(residency) = &self.context.residency {
-            super::device::lock(residency).end(self.context.lent);
-        }
-    }
-
     /// Evaluates the laws for what switches and regions make of it; they are held afterwards.
     fn look(&mut self, phase: Phase) {
         self.context.phase = phase;
@@ -287,7 +278,7 @@ impl<P: Scalar> System for Runner<'_, P> {
         let Pipeline { programs, vectors, .. } = &*self.pipeline;
         let there = programs[Key::Evaluate(part).index()].rates == vectors.vector(Register::Rates);
         #[cfg(feature = "gpu")]
-        let there = there && self.context.residency.is_none();
+        let there = there && !vectors.states.iter().any(|state| state.on_device);
         if !there || !matches!(to, Register::Work(_)) {
             self.evaluate(part);
             return self.copy(to, Register::Rates, part);

@@ -232,7 +232,12 @@ impl Device {
             let text = format!("a column takes {bytes} bytes, and it takes {most} for each");
             return Err(DeviceFault::Refused(text));
         }
-        Ok(self.buffer(bytes))
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let buffer = self.buffer(bytes);
+        match block_on(scope.pop()) {
+            Some(error) => Err(DeviceFault::Refused(error.to_string())),
+            None => Ok(buffer),
+        }
     }
 
     /// As if it had been unplugged.

@@ -66,11 +66,6 @@ impl Stream {
         self.moved
     }
 
-    /// The number of the sending that what is recorded now goes with.
-    pub(crate) fn sending(&self) -> u64 {
-        self.moved.submissions
-    }
-
     /// Records a program behind all others.
     pub(crate) fn record(&mut self, device: &Device, work: &Work<'_>) -> Result<(), DeviceFault> {
         if work.rows == 0 {
@@ -87,23 +82,16 @@ impl Stream {
         let groups = work.rows.div_ceil(GROUP);
         open.pass.dispatch_workgroups(groups.min(ACROSS), groups.div_ceil(ACROSS), 1);
         open.programs += 1;
-        if open.programs < GATHERED {
-            return Ok(());
-        }
-        self.submit(device);
-        if self.sent.len() <= ON_THEIR_WAY {
-            return Ok(());
-        }
-        let first = self.sent.pop_front();
-        first.map_or(Ok(()), |first| wait(device, first))
+        if open.programs < GATHERED { Ok(()) } else { self.submit(device) }
     }
 
-    /// Sends what is recorded, and does not wait for it.
-    pub(crate) fn submit(&mut self, device: &Device) {
-        if let Some(Open { pass, encoder, .. }) = self.open.take() {
-            drop(pass);
-            self.send(device, encoder);
-        }
+    /// Sends what is recorded, and does not wait for it, but where much is on its way for the first of that.
+    pub(crate) fn submit(&mut self, device: &Device) -> Result<(), DeviceFault> {
+        let Some(Open { pass, encoder, .. }) = self.open.take() else { return Ok(()) };
+        drop(pass);
+        self.send(device, encoder);
+        let first = if self.sent.len() > ON_THEIR_WAY { self.sent.pop_front() } else { None };
+        first.map_or(Ok(()), |first| wait(device, first))
     }
 
     fn send(&mut self, device: &Device, encoder: wgpu::CommandEncoder) {
@@ -187,7 +175,7 @@ impl Stream {
 
     /// Waits until all that was recorded is done.
     pub(crate) fn finish(&mut self, device: &Device) -> Result<(), DeviceFault> {
-        self.submit(device);
+        self.submit(device)?;
         let last = self.sent.pop_back();
         self.sent.clear();
         last.map_or(Ok(()), |last| wait(device, last))

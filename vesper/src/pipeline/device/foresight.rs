@@ -53,8 +53,7 @@ impl<P: Scalar> Pipeline<P> {
     pub(crate) fn foresee_frames(&self, integrator: &mut dyn Integrator, frames: u32) -> Option<Foresight> {
         let shared = self.residency.as_ref()?;
         let mut passes = self.programs.iter().flat_map(|program| &program.passes);
-        let looks =
-            integrator.is_adaptive() || integrator.needs_derivatives() || integrator.rotates() || self.switches.any();
+        let looks = !integrator.steps_alike() || self.switches.any();
         if looks || !passes.any(|pass| matches!(pass.pass, Pass::Device(_))) {
             return None;
         }

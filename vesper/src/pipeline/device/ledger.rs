@@ -72,11 +72,6 @@ impl Ledger {
         valid[side as usize] = true;
         valid[side.other() as usize] &= touch.access == Access::Read;
     }
-
-    /// What a column has elsewhere no longer counts: the host's numbers are the newest.
-    pub(crate) fn hand_over(&mut self, column: usize) {
-        self.touch(Side::Host, Touch { column, access: Access::Write });
-    }
 }
 
 #[cfg(test)]

@@ -5,11 +5,10 @@
 
 use super::ledger::{Ledger, Side, Touch};
 use crate::backend::gpu::{Access, Arriving, Buffer, Device, DeviceFault, Stream, Transfers, Work};
-use crate::column::{Away, Elsewhere};
+use crate::column::{Away, Elsewhere, Flags};
 use crate::pipeline::bind::{Base, Located};
 use crate::real::Scalar;
 use crate::registry::QuantityId;
-use core::sync::atomic::{AtomicBool, Ordering};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -33,10 +32,8 @@ struct Column<P> {
     components: Vec<Located<P>>,
     /// Room on the device, where something there touches it.
     buffer: Option<Buffer>,
-    /// The sending that what was recorded last with it goes with.
-    sending: Option<u64>,
-    /// Whether the device has newer numbers, for those who look from outside.
-    stale: Arc<AtomicBool>,
+    /// What those know who look from outside.
+    flags: Arc<Flags>,
     /// Whether nobody can compute it again from others.
     last: bool,
 }
@@ -61,12 +58,16 @@ pub(crate) struct Residency<P: Scalar> {
     arriving: Vec<Late>,
     /// Sums of vectors that were asked for.
     pub(super) sums: HashMap<super::vectors::Key, super::vectors::SumOf>,
+    /// Whether the device has refused one of them.
+    pub(super) refuses_sums: bool,
     /// Whether the device is gone, and that is in the books.
     failed: bool,
     /// Whether that is news.
     unseen: bool,
     /// Whether passes are running, which cannot be run again.
     running: bool,
+    /// Whether numbers have come to the host that nobody has looked through.
+    returned: bool,
     /// Whether numbers were lost with the device, and nobody was told.
     lost: Option<String>,
 }
@@ -75,7 +76,7 @@ pub(crate) struct Residency<P: Scalar> {
 pub(crate) type Shared<P> = Arc<Mutex<Residency<P>>>;
 
 // SAFETY: its pointers are into columns of the state and vectors of the pipeline that it was made for. Columns tell it before their memory
-// goes or moves, and vectors go with the pipeline, which alone asks for them; all of this happens under one lock.
+// goes or moves (`Away`), and so does the pipeline before its vectors go (`forget_vectors`); all of this happens under one lock.
 unsafe impl<P: Scalar> Send for Residency<P> {}
 
 /// Who asks now; who panicked while asking has left no column half moved: numbers count as moved when they are.
@@ -94,9 +95,11 @@ impl<P: Scalar> Residency<P> {
             stream,
             arriving: Vec::new(),
             sums: HashMap::new(),
+            refuses_sums: false,
             failed: false,
             unseen: false,
             running: false,
+            returned: false,
             lost: None,
         }
     }
@@ -106,8 +109,8 @@ impl<P: Scalar> Residency<P> {
         if let Some(known) = self.find(what) {
             return known;
         }
-        let (components, stale) = (components(), Arc::default());
-        self.columns.push(Column { what, components, buffer: None, sending: None, stale, last: false });
+        let (components, flags) = (components(), Arc::default());
+        self.columns.push(Column { what, components, buffer: None, flags, last: false });
         self.ledger.add()
     }
 
@@ -155,7 +158,7 @@ impl<P: Scalar> Residency<P> {
     pub(crate) fn away(shared: &Shared<P>, what: What) -> Option<Away> {
         let known = lock(shared);
         let column = known.find(what).filter(|column| known.columns[*column].buffer.is_some())?;
-        Some(Away::new(Arc::clone(shared) as Arc<dyn Elsewhere>, column, Arc::clone(&known.columns[column].stale)))
+        Some(Away::new(Arc::clone(shared) as Arc<dyn Elsewhere>, column, Arc::clone(&known.columns[column].flags)))
     }
 
     /// What was moved so far.
@@ -221,27 +224,32 @@ impl<P: Scalar> Residency<P> {
             if self.ledger.is_missing(Side::Device, touch) {
                 self.bring_to_device(touch.column, lent);
             }
-            self.ledger.touch(Side::Device, touch);
-            let column = &mut self.columns[touch.column];
-            column.sending = Some(self.stream.sending());
-            column.stale.store(!self.ledger.is_valid(Side::Host, touch.column), Ordering::Release);
+            self.touched(Side::Device, touch);
         }
     }
 
-    /// A pass on the host touches these.
+    /// A pass on the host touches these; the device works beside it.
     pub(crate) fn on_host(&mut self, touches: &[Touch], lent: &[*mut P]) {
+        self.bring(touches, lent);
+        if let Err(fault) = self.stream.submit(&self.device) {
+            self.fail(&fault);
+        }
+    }
+
+    /// Somebody on the host touches these.
+    pub(super) fn bring(&mut self, touches: &[Touch], lent: &[*mut P]) {
         let missing = touches.iter().filter(|touch| self.ledger.is_missing(Side::Host, **touch));
         let missing: Vec<usize> = missing.map(|touch| touch.column).collect();
-        if missing.is_empty() {
-            // It needs nothing from the device, which works beside it.
-            self.stream.submit(&self.device);
-        } else {
-            self.bring_to_host(&missing, lent);
-        }
+        self.bring_to_host(&missing, lent);
         for &touch in touches {
-            self.ledger.touch(Side::Host, touch);
-            self.columns[touch.column].stale.store(false, Ordering::Release);
+            self.touched(Side::Host, touch);
         }
+    }
+
+    fn touched(&mut self, side: Side, touch: Touch) {
+        self.ledger.touch(side, touch);
+        let [here, there] = [Side::Host, Side::Device].map(|side| self.ledger.is_valid(side, touch.column));
+        self.columns[touch.column].flags.set(!here, there);
     }
 
     /// Everything is looked at on the host, or changed there.
@@ -249,6 +257,11 @@ impl<P: Scalar> Residency<P> {
         let access = if changes { Access::Update } else { Access::Read };
         let all: Vec<Touch> = (0..self.ledger.len()).map(|column| Touch { column, access }).collect();
         self.on_host(&all, lent);
+    }
+
+    /// Whether numbers have come to the host since this was last asked.
+    pub(crate) fn have_returned(&mut self) -> bool {
+        core::mem::take(&mut self.returned)
     }
 
     /// Passes run from now on.
@@ -267,8 +280,7 @@ impl<P: Scalar> Residency<P> {
 
     /// What the client does to its own memory between runs.
     pub(super) fn lent(&self) -> Vec<Touch> {
-        let is_lent = |column: &Column<P>| column.components.iter().any(|c| matches!(c.base, Base::Lent { .. }));
-        let lent = self.columns.iter().enumerate().filter(|(_, column)| is_lent(column));
+        let lent = self.columns.iter().enumerate().filter(|(_, column)| column.is_lent());
         lent.map(|(column, _)| Touch { column, access: Access::Update }).collect()
     }
 
@@ -287,39 +299,42 @@ impl<P: Scalar> Residency<P> {
     }
 
     fn bring_to_device(&mut self, column: usize, lent: &[*mut P]) {
-        let Column { components, buffer: Some(buffer), sending, .. } = &self.columns[column] else { return };
-        if *sending == Some(self.stream.sending()) {
-            // What is written from here overtakes what is only recorded.
-            self.stream.submit(&self.device);
+        // What is written from here overtakes what is only recorded.
+        if let Err(fault) = self.stream.submit(&self.device) {
+            return self.fail(&fault);
+        }
+        let Column { components, buffer: Some(buffer), .. } = &self.columns[column] else { return };
+        if self.columns[column].bytes() == 0 {
+            return;
+        }
+        if components.iter().all(|located| located.stride == 1) {
+            let parts = components.iter().map(|located| {
+                // SAFETY: the runner holds the state, where the component has so many numbers, one behind the other.
+                bytes_of(unsafe { core::slice::from_raw_parts(located.base.resolve(lent), located.len) })
+            });
+            return self.stream.upload(&self.device, buffer, parts);
         }
         let mut packed = Vec::new();
-        let even = components.iter().all(|located| located.stride == 1);
-        if !even {
-            for located in components {
-                let start = located.base.resolve(lent);
-                // SAFETY: the runner holds the state, where the component has so many numbers, so far apart.
-                packed.extend((0..located.len).map(|row| unsafe { *start.add(row * located.stride) }));
-            }
+        for located in components {
+            let start = located.base.resolve(lent);
+            // SAFETY: the runner holds the state, where the component has so many numbers, so far apart.
+            packed.extend((0..located.len).map(|row| unsafe { *start.add(row * located.stride) }));
         }
-        let parts = components.iter().filter(|_| even).map(|located| {
-            // SAFETY: as above, one behind the other.
-            bytes_of(unsafe { core::slice::from_raw_parts(located.base.resolve(lent), located.len) })
-        });
-        if self.columns[column].bytes() > 0 {
-            let packed = (!even).then(|| bytes_of(&packed));
-            self.stream.upload(&self.device, buffer, parts.chain(packed));
-        }
+        self.stream.upload(&self.device, buffer, [bytes_of(&packed)].into_iter());
     }
 
     /// Brings the numbers of columns to the host, in one go.
     fn bring_to_host(&mut self, columns: &[usize], lent: &[*mut P]) {
-        let all: Vec<&Column<P>> = columns.iter().map(|&column| &self.columns[column]).collect();
-        let all: Vec<&Column<P>> = all.into_iter().filter(|column| column.bytes() > 0).collect();
+        let all = columns.iter().map(|&column| &self.columns[column]);
+        // Who asks without the client's memory asks for none of it.
+        let there = |column: &&Column<P>| column.bytes() > 0 && !(lent.is_empty() && column.is_lent());
+        let all: Vec<&Column<P>> = all.filter(there).collect();
         let from: Vec<(&Buffer, usize)> =
             all.iter().filter_map(|column| Some((column.buffer.as_ref()?, column.bytes()))).collect();
         if from.is_empty() {
             return;
         }
+        self.returned = true;
         let done = self.stream.download(&self.device, &from, |mut bytes| {
             for column in &all {
                 let (own, rest) = bytes.split_at(column.bytes());
@@ -334,39 +349,50 @@ impl<P: Scalar> Residency<P> {
 
     /// The device is gone: what only it had is no number any more.
     fn fail(&mut self, fault: &DeviceFault) {
-        if core::mem::replace(&mut self.failed, true) {
-            return;
+        if !self.failed {
+            log::warn!("{fault}: its laws go on on the host");
+            self.device.give_up(fault.clone());
+            (self.failed, self.unseen) = (true, true);
         }
-        self.unseen = true;
-        log::warn!("{fault}: its laws go on on the host");
-        self.device.give_up(fault.clone());
         for number in 0..self.columns.len() {
             let column = &self.columns[number];
-            if !self.ledger.is_valid(Side::Host, number) {
+            if !self.ledger.is_valid(Side::Host, number) && column.bytes() > 0 {
                 column.spoil();
-                if column.bytes() > 0 && (column.last || self.running) {
+                if column.last || self.running {
                     self.lost = Some(fault.to_string());
                 }
             }
-            self.ledger.hand_over(number);
-            column.stale.store(false, Ordering::Release);
+            self.touched(Side::Host, Touch { column: number, access: Access::Write });
         }
+    }
+
+    /// The pipeline goes, and its vectors with it: nobody asks for them any more.
+    pub(crate) fn forget_vectors(&mut self) {
+        for number in 0..self.columns.len() {
+            match self.columns[number].what {
+                What::Quantity(_) | What::Previous(_) => {}
+                What::Rate(_) | What::Turned(_) | What::Held(..) | What::Work(..) => self.forget(number),
+            }
+        }
+    }
+
+    fn forget(&mut self, column: usize) {
+        self.columns[column].components.clear();
+        self.touched(Side::Host, Touch { column, access: Access::Write });
     }
 }
 
 impl<P: Scalar> Elsewhere for Mutex<Residency<P>> {
     fn bring(&self, column: usize) {
-        lock(self).on_host(&[Touch { column, access: Access::Read }], &[]);
+        lock(self).bring(&[Touch { column, access: Access::Read }], &[]);
     }
 
     fn hand_over(&self, column: usize) {
-        lock(self).on_host(&[Touch { column, access: Access::Update }], &[]);
+        lock(self).bring(&[Touch { column, access: Access::Update }], &[]);
     }
 
     fn forget(&self, column: usize) {
-        let mut known = lock(self);
-        known.columns[column].components.clear();
-        known.ledger.hand_over(column);
+        lock(self).forget(column);
     }
 }
 
@@ -377,6 +403,11 @@ fn bytes_of<P: Scalar>(numbers: &[P]) -> &[u8] {
 }
 
 impl<P: Scalar> Column<P> {
+    /// Whether it is the client's memory.
+    fn is_lent(&self) -> bool {
+        self.components.iter().any(|located| matches!(located.base, Base::Lent { .. }))
+    }
+
     fn bytes(&self) -> usize {
         self.components.iter().map(|located| located.len * size_of::<P>()).sum()
     }

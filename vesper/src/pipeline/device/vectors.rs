@@ -1,7 +1,7 @@
 //! Sums of vectors on a device: what integrators are written in, so that a whole step stays there.
 //!
-//! In: registers, and which states have their rates there. Out: the same sums of the same terms, in the same order, as on the host. Never: a
-//! state whose rates the host computes; that one's vectors are the host's.
+//! In: registers, and which states have their rates there. Out: the same sums, in the host's order as far as a program has buffers for the
+//! terms. Never: a state whose rates the host computes; that one's vectors are the host's.
 
 use super::ledger::{Touch, then};
 use super::residency::{Residency, What};
@@ -87,7 +87,7 @@ impl<P: Scalar> Residency<P> {
                 terms.others.iter().map(|(factor, from)| (*factor, *from, of)).collect()
             };
             let all = moved.chain(own).chain(single(momenta, coordinates + number)).chain(single(terms, number));
-            if !state.on_device {
+            if !state.on_device || self.refuses_sums {
                 share.rest = true;
                 let access = if adds { Access::Update } else { Access::Write };
                 let looked_at = all.map(|(_, from, of)| (from, of, Access::Read));
@@ -100,6 +100,11 @@ impl<P: Scalar> Residency<P> {
             let to = self.register(vectors, to, number);
             let terms: Vec<(f64, usize)> =
                 all.map(|(factor, from, of)| (factor, self.register(vectors, from, of))).collect();
+            let mut terms = terms;
+            if terms.len() > most {
+                // What is written is looked at before it is.
+                terms.sort_by_key(|(_, column)| *column != to);
+            }
             let (first, later) = terms.split_at(terms.len().min(most));
             share.sums.push(Sum::of(to, adds, first));
             share.sums.extend(later.chunks(most).map(|terms| Sum::of(to, true, terms)));
@@ -130,13 +135,18 @@ impl<P: Scalar> Residency<P> {
             self.on_host(&share.host, lent);
             return Left::All;
         }
-        if self.is_lost() || !share.sums.iter().all(|sum| self.is_ready(&sum.key)) {
-            self.all_on_host(true, lent);
-            return Left::All;
-        }
+        let ready = share.sums.iter().all(|sum| self.is_ready(&sum.key));
         for sum in &share.sums {
+            if self.is_lost() || !ready {
+                break;
+            }
             self.on_device(&sum.touches, lent);
             self.sum(sum);
+        }
+        // If it was lost on the way, what it had is no number, and neither is the sum.
+        if self.is_lost() || !ready {
+            self.all_on_host(true, lent);
+            return Left::All;
         }
         if !share.rest {
             return Left::Nothing;
@@ -160,6 +170,7 @@ impl<P: Scalar> Residency<P> {
             Ok(sum) => _ = self.sums.insert(key.clone(), sum),
             Err(reason) => {
                 log::warn!("vectors are summed on the host: {reason}");
+                self.refuses_sums = true;
                 return false;
             }
         }
