@@ -385,7 +385,6 @@ impl<P: Scalar> Builder<P> {
             }
         }
         let machine = Machine { estimates: self.estimates, ..machine(self.threads, self.isa, &mut faults) };
-        #[cfg(feature = "gpu")]
         let mut machine = Machine { device: super::device::device(&self.laws), ..machine };
         let origin = self.moving_origin.map(|property| Origin::amid(property, &mut self.domains)).transpose();
         let origin = origin.unwrap_or_else(|fault| {
@@ -410,7 +409,6 @@ impl<P: Scalar> Builder<P> {
             Ok(pipeline) => Faults::unless_empty(faults, pipeline)?,
             Err(more) => return Err(more.after(faults)),
         };
-        #[cfg(feature = "gpu")]
         let (pipeline, calibration) = super::device::calibrated(
             pipeline,
             (&mut self.laws, &self.chains, &mut machine),
@@ -442,14 +440,12 @@ impl<P: Scalar> Builder<P> {
             clock: Clock { time, since: 0, step: 0.0 },
             touched: false,
             stale: false,
-            #[cfg(feature = "gpu")]
             calibration,
             quiet: f64::NAN,
             lent_changes: Some(0),
             kept: None,
         };
         engine.let_origin_move()?;
-        #[cfg(feature = "gpu")]
         engine.foresee();
         engine.observe()?;
         Ok(engine)

@@ -10,7 +10,7 @@ pub(super) use calibrate::calibrated;
 use super::{Engine, blow_up};
 use crate::backend::gpu::{Device, Transfers};
 use crate::error::{Fault, Faults};
-use crate::pipeline::Listed;
+use crate::pipeline::{Listed, Opened};
 use crate::real::Scalar;
 use crate::registry::Backend;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ thread_local! {
 }
 
 /// The graphics processor, where a law asks for one.
-pub(super) fn device<P: Scalar>(laws: &[Listed<P>]) -> Option<Result<Arc<Device>, String>> {
+pub(super) fn device<P: Scalar>(laws: &[Listed<P>]) -> Opened {
     let asks = laws.iter().any(|law| matches!(law.entry.options.backend, Backend::Gpu | Backend::Fastest));
     #[cfg(test)]
     if let Some(device) = GIVEN.with_borrow(Clone::clone).filter(|_| asks) {

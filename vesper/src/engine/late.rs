@@ -30,7 +30,6 @@ impl<P: Scalar> Engine<P> {
         let info = property.info();
         let column = self.state.column(domain, info.name)?;
         let (step, time) = (self.steps, self.time());
-        #[cfg(feature = "gpu")]
         if column.is_away() {
             let id = self.state.domain_index(domain).and_then(|at| self.pipeline.registry.find(at, info.name));
             let late = id.and_then(|id| self.pipeline.late(id, step, time));

@@ -26,7 +26,6 @@ pub(super) fn with_runner<P: Scalar, T>(
             result = Some(work(&mut runner));
         }
     })?;
-    #[cfg(feature = "gpu")]
     if let Some(reason) = pipeline.loss() {
         return Err(Fault::DeviceLost { reason }.into());
     }

@@ -3,7 +3,7 @@
 //! In: what a builder was told. Out: a [`Machine`], or faults. Never: a law that runs.
 
 use crate::error::Fault;
-use crate::pipeline::Machine;
+use crate::pipeline::{Machine, Opened};
 use crate::real::Isa;
 use std::sync::Arc;
 
@@ -28,8 +28,7 @@ pub(super) fn machine(threads: Option<usize>, isa: Option<Isa>, faults: &mut Vec
             isa,
             estimates: true,
             fits: Arc::default(),
-            #[cfg(feature = "gpu")]
-            device: None,
+            device: Opened::default(),
             threads,
             pool,
             probe: None,
@@ -41,8 +40,7 @@ pub(super) fn machine(threads: Option<usize>, isa: Option<Isa>, faults: &mut Vec
         isa,
         estimates: true,
         fits: Arc::default(),
-        #[cfg(feature = "gpu")]
-        device: None,
+        device: Opened::default(),
         threads: 1,
         probe: None,
         stop: None,

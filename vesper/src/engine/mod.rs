@@ -6,7 +6,7 @@
 mod blow_up;
 mod build;
 mod checkpoint;
-#[cfg(feature = "gpu")]
+#[cfg_attr(not(feature = "gpu"), path = "without_device.rs")]
 mod device;
 mod late;
 mod lent;
@@ -55,7 +55,6 @@ pub struct Engine<P: Scalar> {
     /// A law was switched.
     stale: bool,
     /// What was found where steps were timed here and there.
-    #[cfg(feature = "gpu")]
     calibration: Vec<String>,
     /// The length of a frame that is one step in which nothing moves, and after which nothing remains; NaN where that is
     /// not known.
@@ -258,7 +257,6 @@ impl<P: Scalar> Engine<P> {
     /// Follows what the client changed since the last step.
     #[inline]
     fn prepare(&mut self) -> Result<(), Faults> {
-        #[cfg(feature = "gpu")]
         self.look_after_device()?;
         if self.stale || self.pipeline.layout != self.state.layout() {
             self.rebuild()?;
@@ -337,7 +335,6 @@ impl<P: Scalar> Engine<P> {
             }
         }
         build::log_changes(&before, &self.pipeline.registry.report);
-        #[cfg(feature = "gpu")]
         self.foresee();
         self.integrator.restart();
         self.stale = false;
@@ -472,7 +469,6 @@ impl<P: Scalar> Engine<P> {
     pub fn backends(&self) -> Vec<Option<Backend>> {
         let backend = |law| match self.pipeline.threads(law) {
             0 => None,
-            #[cfg(feature = "gpu")]
             _ if self.pipeline.is_on_device(law) => Some(Backend::Gpu),
             1 => Some(Backend::Cpu),
             _ => Some(Backend::Parallel),
@@ -485,9 +481,7 @@ impl<P: Scalar> Engine<P> {
         let text = compiled_here!(<P> |engine: &Engine<P>| -> String {
             engine.pipeline.explain(&engine.state, &*engine.integrator)
         })(self);
-        #[cfg(feature = "gpu")]
-        let text = self.calibration.iter().fold(text, |text, line| text + line + "\n");
-        text
+        self.calibration.iter().fold(text, |text, line| text + line + "\n")
     }
 
     /// The graph in the language of Graphviz.

@@ -46,7 +46,6 @@ impl<P: Scalar> Engine<P> {
         }
         // What is looked at here is the host's.
         self.pipeline.come_home(true);
-        #[cfg(feature = "gpu")]
         let residency = self.pipeline.residency.take();
         // Vectors of its own: those of the integrator, and what it remembers in them, stay as they are.
         let more = Vectors::new(&self.pipeline, &self.state, vectors, (false, false, false));
@@ -59,10 +58,7 @@ impl<P: Scalar> Engine<P> {
             work(runner)
         });
         self.pipeline.vectors = kept;
-        #[cfg(feature = "gpu")]
-        {
-            self.pipeline.residency = residency;
-        }
+        self.pipeline.residency = residency;
         if !self.integrator.needs_derivatives() {
             self.pipeline.tangent = None;
         }

@@ -6,8 +6,7 @@ mod pair;
 pub(crate) use link::LinkPass;
 pub(crate) use pair::PairPass;
 
-#[cfg(feature = "gpu")]
-use super::device::DevicePass;
+use super::device::{DevicePass, Touch};
 use super::group::{Group, GroupBuilder};
 use super::operand::Operand;
 use super::plan::{Op, Placed, Plan};
@@ -94,8 +93,7 @@ pub(crate) struct BoundPass<P: Scalar> {
     /// The laws that run in it, for `explain`.
     pub(crate) laws: Vec<usize>,
     /// What it touches on the host, of what could be on a device.
-    #[cfg(feature = "gpu")]
-    pub(crate) touches: Vec<super::device::Touch>,
+    pub(crate) touches: Vec<Touch>,
     /// Why it is not on the device that it was asked for.
     pub(crate) refused: Option<String>,
 }
@@ -107,7 +105,7 @@ pub(crate) enum Pass<P: Scalar> {
     Link(LinkPass<P>),
     Column(ColumnPass<P>),
     /// On a graphics processor.
-    #[cfg(feature = "gpu")]
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "without the feature there is none"))]
     Device(DevicePass<P>),
     /// `to += step * from`, by component: (to, from, numbers).
     Axpy {
@@ -130,8 +128,7 @@ impl<P: Scalar> Pass<P> {
     /// The pass as the host runs it.
     pub(crate) fn on_host(&mut self) -> &mut Pass<P> {
         match self {
-            #[cfg(feature = "gpu")]
-            Pass::Device(pass) => &mut pass.host,
+            Pass::Device(pass) => pass.host_mut(),
             own => own,
         }
     }
@@ -250,14 +247,10 @@ impl<P: Scalar> Binder<'_, P> {
             },
             Op::Start { .. } | Op::Sample { .. } => Pass::Group(self.group(ops)?),
         };
-        #[cfg(feature = "gpu")]
         let (pass, refused) = self.on_device(pass, ops);
-        #[cfg(not(feature = "gpu"))]
-        let refused = None;
         Some(BoundPass {
             every: first.every,
             fills,
-            #[cfg(feature = "gpu")]
             touches: if let Pass::Device(_) = pass { Vec::new() } else { self.touched(ops) },
             pass,
             laws,

@@ -19,8 +19,9 @@ pub(crate) use vectors::Left;
 use super::bind::{Base, BoundPass, Pass};
 use super::run::{Context, Runner};
 use super::{Machine, Pipeline};
-use crate::backend::gpu::{Access, BindGroup, Buffer, Prepared, Transfers, Word, Work};
-use crate::integrate::Combination;
+use crate::backend::gpu::{Access, BindGroup, Buffer, Device, Prepared, Transfers, Word, Work};
+use crate::integrate::{Combination, Register, Terms};
+use crate::law::Part;
 use crate::real::Scalar;
 use crate::registry::QuantityId;
 use crate::state::State;
@@ -29,7 +30,7 @@ use std::sync::{Arc, Mutex};
 /// A pass, ready to run on a device.
 pub(crate) struct DevicePass<P: Scalar> {
     /// The same on the host.
-    pub(super) host: Box<Pass<P>>,
+    host: Box<Pass<P>>,
     /// What the host's pass touches.
     pub(super) on_host: Vec<Touch>,
     /// What it touches on the device.
@@ -63,7 +64,20 @@ enum Constant<P> {
     At(Base<P>),
 }
 
+/// A device that laws were asked to run on, or why there is none.
+pub(crate) type Opened = Option<Result<Arc<Device>, String>>;
+
 impl<P: Scalar> DevicePass<P> {
+    /// The pass as the host runs it.
+    pub(super) fn host(&self) -> &Pass<P> {
+        &self.host
+    }
+
+    /// The same, to run.
+    pub(super) fn host_mut(&mut self) -> &mut Pass<P> {
+        &mut self.host
+    }
+
     /// Runs the pass on the device; false where the host has to: its columns are there then.
     pub(super) fn run(&self, context: &Context<'_, P>) -> bool {
         let Some(shared) = &context.residency else { return false };
@@ -162,6 +176,20 @@ impl<P: Scalar> Drop for Pipeline<P> {
 }
 
 impl<P: Scalar> Runner<'_, P> {
+    /// Everything is looked at on the host, or changed there.
+    pub(super) fn come_home(&self, changes: bool) {
+        if let Some(residency) = &self.context.residency {
+            lock(residency).all_on_host(changes, self.context.lent);
+        }
+    }
+
+    /// A vector in the place of another, on a device; whether nothing is left for the host.
+    pub(super) fn copy_on_device(&mut self, (to, from): (Register, Register), part: Part) -> bool {
+        let whole = [(1.0, from)];
+        let (terms, momenta) = (Terms::of(&whole), Terms::NONE);
+        self.linear_on_device(&Combination { to, adds: false, part, terms, momenta })
+    }
+
     /// Sums vectors that are on a device; whether nothing is left for the host.
     pub(super) fn linear_on_device(&mut self, combination: &Combination<'_>) -> bool {
         let Some(residency) = &self.context.residency else { return false };
@@ -180,6 +208,20 @@ impl<P: Scalar> Runner<'_, P> {
 }
 
 impl<P: Scalar> Pipeline<P> {
+    /// Passes run from now on; where columns are.
+    pub(super) fn begin(&self) -> Option<Shared<P>> {
+        let residency = self.residency.as_ref()?;
+        lock(residency).begin();
+        Some(Arc::clone(residency))
+    }
+
+    /// Brings all numbers to the host, which looks at them, or changes them.
+    pub(crate) fn come_home(&self, changes: bool) {
+        if let Some(residency) = &self.residency {
+            lock(residency).all_on_host(changes, &[]);
+        }
+    }
+
     /// Lets columns go where they are needed: states whose rates are given on the device have their vectors there, and columns of the state
     /// know whom to ask for their numbers.
     pub(super) fn let_go(&mut self, state: &mut State<P>) {

@@ -55,7 +55,6 @@ impl<P: Scalar> Pipeline<P> {
             line(format!("{asked}: {count}"));
             for pass in passes {
                 line(format!("  {}", self.pass(pass)));
-                #[cfg(feature = "gpu")]
                 if let (true, Pass::Device(_)) = (self.has_lost_device(), &pass.pass) {
                     line("    not on the graphics processor: it is gone".to_owned());
                 }
@@ -64,7 +63,6 @@ impl<P: Scalar> Pipeline<P> {
                 }
             }
         }
-        #[cfg(feature = "gpu")]
         self.moves(state).into_iter().for_each(&mut line);
         for law in &self.registry.report.laws {
             if !matches!(law.status, Status::Active { .. }) {
@@ -81,7 +79,6 @@ impl<P: Scalar> Pipeline<P> {
     pub(crate) fn threads(&self, law: usize) -> usize {
         let passes = self.programs.iter().flat_map(|program| &program.passes).filter(|pass| pass.laws.contains(&law));
         let threads = passes.map(|pass| match self.where_it_runs(&pass.pass) {
-            #[cfg(feature = "gpu")]
             Pass::Device(_) => 1,
             Pass::Group(group) => group.threads(),
             Pass::Pair(pair) => pair.threads,
@@ -92,7 +89,6 @@ impl<P: Scalar> Pipeline<P> {
     }
 
     /// Whether a pass of this law runs on a graphics processor.
-    #[cfg(feature = "gpu")]
     pub(crate) fn is_on_device(&self, law: usize) -> bool {
         let mut passes = self.programs.iter().flat_map(|program| &program.passes);
         let on_device = |pass: &Pass<P>| matches!(self.where_it_runs(pass), Pass::Device(_));
@@ -100,11 +96,9 @@ impl<P: Scalar> Pipeline<P> {
     }
 
     /// A pass, or that of the host where the device of this one is gone.
-    #[cfg_attr(not(feature = "gpu"), expect(clippy::unused_self, reason = "all are the host's"))]
     fn where_it_runs<'p>(&self, pass: &'p Pass<P>) -> &'p Pass<P> {
         match pass {
-            #[cfg(feature = "gpu")]
-            Pass::Device(on_device) if self.has_lost_device() => &on_device.host,
+            Pass::Device(on_device) if self.has_lost_device() => on_device.host(),
             own => own,
         }
     }
@@ -150,7 +144,6 @@ impl<P: Scalar> Pipeline<P> {
         let laws = laws.join(", ");
         let threads = |threads: usize| if threads > 1 { format!(", {threads} threads") } else { String::new() };
         match self.where_it_runs(&pass.pass) {
-            #[cfg(feature = "gpu")]
             Pass::Device(_) => format!("on the graphics processor: {laws}"),
             Pass::Group(group) => {
                 let loops = if group.fused { "one loop composed at compile time" } else { "block by block" };

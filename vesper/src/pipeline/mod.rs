@@ -10,7 +10,7 @@
 mod bind;
 mod chain;
 mod columns;
-#[cfg(feature = "gpu")]
+#[cfg_attr(not(feature = "gpu"), path = "without_device.rs")]
 mod device;
 mod dot;
 mod explain;
@@ -40,6 +40,7 @@ mod vectors;
 pub(crate) use bind::{Program, program};
 pub(crate) use chain::FusedChain;
 pub use chain::{Chain, ChainPart, Chained, Layout, List, Registers};
+pub(crate) use device::Opened;
 pub(crate) use plan::Key;
 use plan::Plan;
 pub(crate) use run::{Runner, Watch};
@@ -85,8 +86,7 @@ pub(crate) struct Machine {
     /// What calibrations of far fields have found, by law: kept where laws, rows or columns come and go.
     pub(crate) fits: Arc<Mutex<Vec<(String, Fit)>>>,
     /// The graphics processor that laws were asked to run on, or why there is none.
-    #[cfg(feature = "gpu")]
-    pub(crate) device: Option<Result<Arc<crate::backend::gpu::Device>, String>>,
+    pub(crate) device: Opened,
     /// Cores to use.
     pub(crate) threads: usize,
     #[cfg(feature = "parallel")]
@@ -135,7 +135,6 @@ pub(crate) struct Pipeline<P: Scalar> {
     /// Whether columns are the client's memory.
     pub(crate) lends: bool,
     /// Where columns are, if some can be on a graphics processor.
-    #[cfg(feature = "gpu")]
     pub(crate) residency: Option<device::Shared<P>>,
     /// What frames will move, where that can be foreseen.
     #[cfg(feature = "gpu")]
@@ -196,7 +195,6 @@ impl<P: Scalar> Pipeline<P> {
             amends: false,
             observes: false,
             lends: lent_columns(state).next().is_some(),
-            #[cfg(feature = "gpu")]
             residency: device::residency(machine),
             #[cfg(feature = "gpu")]
             foresight: None,
@@ -230,7 +228,6 @@ impl<P: Scalar> Pipeline<P> {
         pipeline.programs =
             plans.into_iter().map(|plan| program(plan, laws, chains, &pipeline, state, machine)).collect();
         pipeline.check_pairs()?;
-        #[cfg(feature = "gpu")]
         pipeline.let_go(state);
         if integrator.needs_derivatives() {
             pipeline.tangent = Some(Box::new(Tangent::new(&pipeline, laws, state)));
@@ -302,15 +299,6 @@ impl<P: Scalar> Pipeline<P> {
         paces.sort_unstable();
         paces.dedup();
         paces
-    }
-
-    /// Brings all numbers to the host, which looks at them, or changes them.
-    #[cfg_attr(not(feature = "gpu"), expect(clippy::unused_self, reason = "all is there without a device"))]
-    pub(crate) fn come_home(&self, _changes: bool) {
-        #[cfg(feature = "gpu")]
-        if let Some(residency) = &self.residency {
-            device::lock(residency).all_on_host(_changes, &[]);
-        }
     }
 
     /// Lent memory may begin elsewhere than in the last run.

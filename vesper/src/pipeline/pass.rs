@@ -11,10 +11,9 @@ use crate::real::Scalar;
 
 pub(super) fn run_pass<P: Scalar>(pass: &mut Pass<P>, context: &Context<'_, P>) -> f64 {
     match pass {
-        #[cfg(feature = "gpu")]
         Pass::Device(pass) => {
             if !pass.run(context) {
-                return run_pass(&mut pass.host, context);
+                return run_pass(pass.host_mut(), context);
             }
         }
         // SAFETY: `Runner` is only made for a state with the layout that the program was tied to, held exclusively.

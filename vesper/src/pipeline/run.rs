@@ -1,6 +1,7 @@
 //! Runs programs, and answers integrators.
 
 use super::bind::{BoundPass, Pass};
+use super::device::Shared;
 use super::pass::run_pass;
 use super::plan::Key;
 use super::switches::Phase;
@@ -23,8 +24,7 @@ pub(crate) struct Context<'a, P: Scalar> {
     pub(crate) isa: Isa,
     pub(crate) machine: &'a Machine,
     /// Where columns are, if some can be on a device.
-    #[cfg(feature = "gpu")]
-    pub(crate) residency: Option<super::device::Shared<P>>,
+    pub(crate) residency: Option<Shared<P>>,
     pub(crate) time: P,
     pub(crate) steps: [P; 2],
     /// How many numbers behind their own place rates go.
@@ -62,7 +62,6 @@ impl<'a, P: Scalar> Context<'a, P> {
             lent,
             isa: machine.isa,
             machine,
-            #[cfg(feature = "gpu")]
             residency: None,
             time: P::from_f64(time),
             steps: [P::default(); 2],
@@ -145,13 +144,8 @@ impl<'a, P: Scalar> Runner<'a, P> {
         if !lent.is_empty() {
             pipeline.forget_addresses();
         }
-        #[cfg_attr(not(feature = "gpu"), expect(unused_mut, reason = "only a device is told later"))]
         let mut context = Context::new((laws, chains, machine), &state.fields, lent, time);
-        #[cfg(feature = "gpu")]
-        if let Some(residency) = &pipeline.residency {
-            super::device::lock(residency).begin();
-            context.residency = Some(Arc::clone(residency));
-        }
+        context.residency = pipeline.begin();
         let clock = super::bind::locate_column(state, 0, Time::NAME, 0).map(|place| place.base.resolve(lent));
         let mut runner = Runner {
             pipeline,
@@ -177,7 +171,6 @@ impl<'a, P: Scalar> Runner<'a, P> {
         for pass in &mut programs[key.index()].passes {
             // Most are neither held, nor of a law that is not evaluated on every step.
             if pass.every <= 1 && pass.fills.is_none() || is_due(pass, &mut vectors.filled, (self.pace, self.step)) {
-                #[cfg(feature = "gpu")]
                 self.context.bring(&pass.touches);
                 energy += run_pass(&mut pass.pass, &self.context);
             }
@@ -236,15 +229,6 @@ impl<P: Scalar> Runner<'_, P> {
         self.pipeline.vectors.errors_again(what == Again::Restore);
     }
 
-    /// Everything is looked at on the host, or changed there.
-    #[cfg_attr(not(feature = "gpu"), expect(clippy::unused_self, reason = "all is there without a device"))]
-    pub(super) fn come_home(&self, _changes: bool) {
-        #[cfg(feature = "gpu")]
-        if let Some(residency) = &self.context.residency {
-            super::device::lock(residency).all_on_host(_changes, self.context.lent);
-        }
-    }
-
     /// Evaluates the laws for what switches and regions make of it; they are held afterwards.
     fn look(&mut self, phase: Phase) {
         self.context.phase = phase;
@@ -277,7 +261,6 @@ impl<P: Scalar> System for Runner<'_, P> {
     fn evaluate_to(&mut self, to: Register, part: Part) {
         let Pipeline { programs, vectors, .. } = &*self.pipeline;
         let there = programs[Key::Evaluate(part).index()].rates == vectors.vector(Register::Rates);
-        #[cfg(feature = "gpu")]
         let there = there && !vectors.states.iter().any(|state| state.on_device);
         if !there || !matches!(to, Register::Work(_)) {
             self.evaluate(part);
@@ -309,7 +292,6 @@ impl<P: Scalar> System for Runner<'_, P> {
     }
 
     fn linear(&mut self, combination: Combination<'_>) {
-        #[cfg(feature = "gpu")]
         if self.linear_on_device(&combination) {
             return;
         }
@@ -318,14 +300,8 @@ impl<P: Scalar> System for Runner<'_, P> {
     }
 
     fn copy(&mut self, to: Register, from: Register, part: Part) {
-        #[cfg(feature = "gpu")]
-        {
-            let whole = [(1.0, from)];
-            let terms = crate::integrate::Terms::of(&whole);
-            let momenta = crate::integrate::Terms::NONE;
-            if self.linear_on_device(&Combination { to, adds: false, part, terms, momenta }) {
-                return;
-            }
+        if self.copy_on_device((to, from), part) {
+            return;
         }
         // SAFETY: as above.
         unsafe { self.pipeline.vectors.copy((to, from), part, self.context.lent, self.context.isa) };

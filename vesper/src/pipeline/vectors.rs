@@ -27,7 +27,6 @@ pub(crate) struct StateProperty<P: Scalar> {
     /// Where its components are.
     pub(crate) components: Vec<Component<P>>,
     /// Whether its rates are given on a device, where its vectors are then.
-    #[cfg(feature = "gpu")]
     pub(crate) on_device: bool,
 }
 
@@ -128,14 +127,7 @@ impl<P: Scalar> Vectors<P> {
                 Role::Plain | Role::Switch | Role::Sum { .. } | Role::Turn { .. } => 2,
             };
             ends[from..].fill(at);
-            states.push(StateProperty {
-                quantity: id,
-                role,
-                len,
-                components,
-                #[cfg(feature = "gpu")]
-                on_device: false,
-            });
+            states.push(StateProperty { quantity: id, role, len, components, on_device: false });
         }
         let one = as_one(&states).filter(|_| !gaps);
         let looks = compensated && differences && one.is_some();
