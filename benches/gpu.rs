@@ -28,7 +28,7 @@ fn galaxy<P: CatalogPrecision>(rows: usize, [force, motion]: [&str; 2]) -> Engin
         .replace("name = \"motion\"", &format!("name = \"motion\"\nbackend = \"{motion}\""))
         .replace("name = \"gravity\"", &format!("name = \"gravity\"\nbackend = \"{force}\""));
     let scene = Scene::from_text("galaxy.toml", &text, root, &[]).expect(SCENE);
-    assemble::engine::<P>(&scene).expect(SCENE)
+    assemble::builder::<P>(&scene).expect(SCENE).threads(2).build().expect(SCENE)
 }
 
 /// All x first.
@@ -52,8 +52,7 @@ fn study(rows: usize, run: Run, summary: &mut Summary) {
     exact.steps_of(STEPS.into(), STEP).expect(STAYS);
     let exact = column(&exact, "position");
     let suns = by_hand(&galaxy(rows, ["cpu"; 2]));
-    suns.go(STEPS, STEP as f32);
-    let by_hand_off = apart(&suns.places(), &exact);
+    let by_hand_off = apart(&suns.places_after(STEPS, STEP as f32), &exact);
     let places = [["auto"; 2], ["gpu", "auto"], ["gpu"; 2]];
     let errors = places.map(|places| {
         let mut engine = galaxy::<f32>(rows, places);
@@ -68,8 +67,7 @@ fn study(rows: usize, run: Run, summary: &mut Summary) {
     let hand = [by_hand(&each[0]), by_hand(&each[0])];
     let mut contenders: Vec<Contender<'_>> = Vec::new();
     contenders.push(Contender::new("by hand, looked at each step", || {
-        hand[0].go(1, STEP as f32);
-        drop(hand[0].places());
+        drop(hand[0].places_after(1, STEP as f32));
     }));
     for (engine, name) in each.iter_mut().zip(names) {
         contenders.push(Contender::new(name, || {
@@ -80,8 +78,7 @@ fn study(rows: usize, run: Run, summary: &mut Summary) {
     let each = Race::default().run(run, 1.0, &mut contenders);
     let mut contenders: Vec<Contender<'_>> = Vec::new();
     contenders.push(Contender::new("by hand, looked at once", || {
-        hand[1].go(STEPS, STEP as f32);
-        drop(hand[1].places());
+        drop(hand[1].places_after(STEPS, STEP as f32));
     }));
     for (engine, name) in once.iter_mut().zip(names) {
         contenders.push(Contender::new(name, || {

@@ -476,3 +476,14 @@ fn the_fastest_place_is_found_by_trying() {
     same.steps_of(5, 1e-3).unwrap();
     assert_eq!(engine.state().hash(), same.state().hash());
 }
+
+/// As the README shows it.
+#[test]
+fn a_law_of_ones_own_is_shown_and_compared() {
+    use vesper::backend::Compile;
+    let law = Counting.compile::<f32>();
+    assert!(wgsl_of(&law).unwrap().contains("fn main"));
+    let Some(device) = device() else { return };
+    let found = compare(&device, &law, 1000).unwrap();
+    assert_eq!(found.same, found.numbers, "{found:?}");
+}

@@ -211,11 +211,14 @@ pub enum Fault {
         "backend parallel is asked for, but vesper was built without the feature `parallel`: turn it on, or ask for cpu"
     )]
     NoParallel,
-    #[error("backend gpu is asked for, but vesper was built without the feature `gpu`: turn it on, or ask for cpu")]
+    #[error(
+        "backend gpu is asked for, but vesper was built without the feature `gpu`: turn it on (`features = [\"gpu\"]` for vesper, `--features gpu` for \
+         vesper-cli), or ask for cpu"
+    )]
     NoGpu,
     #[error(
-        "the graphics processor is gone, and with it numbers that only it had ({reason}): they are NaN now. Go on from a checkpoint, or \
-         set them anew; laws run on the host from here on"
+        "the graphics processor is gone, and with it numbers that only it had ({reason}): they are NaN now. Restore a checkpoint \
+         (`Engine::restore`), or set these columns again; laws run on the host from now on"
     )]
     DeviceLost { reason: String },
     #[error(

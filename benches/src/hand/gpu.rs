@@ -7,13 +7,16 @@ use pollster::block_on;
 use std::fmt;
 use wgpu::{BufferUsages, PollType};
 
-const KERNELS: &str = "
+/// What comes with each call of a kernel.
+const CALL: &str = "
 struct Call { g: f32, square: f32, half: f32, step: f32, rows: u32 }
 var<immediate> call: Call;
-@group(0) @binding(0) var<storage, read_write> position: array<f32>;
-@group(0) @binding(1) var<storage, read_write> velocity: array<f32>;
+";
+
+const ATTRACTION: &str = "
+@group(0) @binding(0) var<storage, read> position: array<f32>;
+@group(0) @binding(1) var<storage, read> mass: array<f32>;
 @group(0) @binding(2) var<storage, read_write> force: array<f32>;
-@group(0) @binding(3) var<storage, read_write> mass: array<f32>;
 var<workgroup> tile: array<f32, 256>;
 
 @compute @workgroup_size(64)
@@ -54,6 +57,13 @@ fn attract(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocati
         force[row + 2u * n] = sum.z;
     }
 }
+";
+
+const MOTION: &str = "
+@group(0) @binding(0) var<storage, read> force: array<f32>;
+@group(0) @binding(1) var<storage, read> mass: array<f32>;
+@group(0) @binding(2) var<storage, read_write> velocity: array<f32>;
+@group(0) @binding(3) var<storage, read_write> position: array<f32>;
 
 @compute @workgroup_size(64)
 fn kick_and_drift(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -74,9 +84,8 @@ fn kick(@builtin(global_invocation_id) id: vec3<u32>) {
 pub struct Suns {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    /// Attraction, kick and drift, kick.
-    pipelines: [wgpu::ComputePipeline; 3],
-    group: wgpu::BindGroup,
+    /// Attraction, kick and drift, kick: each with its buffers.
+    kernels: [(wgpu::ComputePipeline, wgpu::BindGroup); 3],
     position: wgpu::Buffer,
     staging: wgpu::Buffer,
     rows: u32,
@@ -120,52 +129,59 @@ impl Suns {
             let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
             queue.write_buffer(buffer, 0, &bytes);
         }
-        let entry = |binding| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Storage { read_only: false },
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        };
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: None,
-            entries: &[0, 1, 2, 3].map(entry),
-        });
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: None,
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 20,
-        });
-        let source = wgpu::ShaderSource::Wgsl(KERNELS.into());
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
-        let pipelines = ["attract", "kick_and_drift", "kick"].map(|name| {
-            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        let [position, velocity, force, mass] = &buffers;
+        let kernel = |text: &str, name: &str, buffers: &[(&wgpu::Buffer, bool)]| {
+            let entry = |(binding, (_, read_only)): (u32, &(&wgpu::Buffer, bool))| wgpu::BindGroupLayoutEntry {
+                binding,
+                visibility: wgpu::ShaderStages::COMPUTE,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Storage { read_only: *read_only },
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            };
+            let entries: Vec<_> = (0..).zip(buffers).map(entry).collect();
+            let layout =
+                device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries });
+            let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: None,
+                bind_group_layouts: &[Some(&layout)],
+                immediate_size: 20,
+            });
+            let source = wgpu::ShaderSource::Wgsl(format!("{CALL}{text}").into());
+            let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
+            let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: None,
                 layout: Some(&pipeline_layout),
                 module: &module,
                 entry_point: Some(name),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: None,
-            })
-        });
-        let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
-            .zip(&buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries };
-        let group = device.create_bind_group(&descriptor);
+            });
+            let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
+                .zip(buffers)
+                .map(|(binding, (buffer, _))| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+                .collect();
+            let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries };
+            (pipeline, device.create_bind_group(&descriptor))
+        };
+        let attraction = [(position, true), (mass, true), (force, false)];
+        let motion = [(force, true), (mass, true), (velocity, false), (position, false)];
+        let kernels = [
+            kernel(ATTRACTION, "attract", &attraction),
+            kernel(MOTION, "kick_and_drift", &motion),
+            kernel(MOTION, "kick", &motion),
+        ];
         let [position, ..] = buffers;
         let (rows, constants) = (masses.len() as u32, [g, softening * softening]);
-        let suns = Suns { device, queue, pipelines, group, position, staging, rows, constants };
-        suns.go(0, 0.0);
+        let suns = Suns { device, queue, kernels, position, staging, rows, constants };
+        suns.go(0, 0.0, false);
         suns
     }
 
-    /// Takes so many steps; before the first one ever, none, for the forces.
-    pub fn go(&self, steps: u32, step: f32) {
+    /// Takes so many steps; before the first one ever, none, for the forces. Behind them, if somebody looks, a copy of the places.
+    fn go(&self, steps: u32, step: f32, look: bool) {
         let mut call: Vec<u8> = Vec::new();
         let numbers = [self.constants[0], self.constants[1], 0.5 * step, step];
         numbers.iter().for_each(|number| call.extend(number.to_le_bytes()));
@@ -174,11 +190,13 @@ impl Suns {
         let mut left = steps.max(1);
         while left > 0 {
             let now = left.min(11);
+            left -= now;
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             let mut dispatch = |kernel: usize, numbers: u32| {
-                pass.set_pipeline(&self.pipelines[kernel]);
-                pass.set_bind_group(0, &self.group, &[]);
+                let (pipeline, group) = &self.kernels[kernel];
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, group, &[]);
                 pass.set_immediates(0, &call);
                 pass.dispatch_workgroups(numbers.div_ceil(64), 1, 1);
             };
@@ -192,21 +210,21 @@ impl Suns {
                 }
             }
             drop(pass);
+            if left == 0 && look {
+                encoder.copy_buffer_to_buffer(&self.position, 0, &self.staging, 0, self.position.size());
+            }
             self.queue.submit([encoder.finish()]);
-            left -= now;
         }
     }
 
-    /// Where the suns are, all x first.
+    /// Where the suns are so many steps on, all x first.
     ///
     /// # Panics
     /// The device is gone.
-    pub fn places(&self) -> Vec<f32> {
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_buffer_to_buffer(&self.position, 0, &self.staging, 0, self.position.size());
-        let sent = self.queue.submit([encoder.finish()]);
+    pub fn places_after(&self, steps: u32, step: f32) -> Vec<f32> {
+        self.go(steps, step, true);
         self.staging.map_async(wgpu::MapMode::Read, .., |mapped| mapped.expect("it can be read"));
-        self.device.poll(PollType::Wait { submission_index: Some(sent), timeout: None }).expect("it answers");
+        self.device.poll(PollType::wait_indefinitely()).expect("it answers");
         let places = {
             let bytes = self.staging.get_mapped_range(..).expect("it is mapped");
             bytes.chunks_exact(4).map(|bytes| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])).collect()

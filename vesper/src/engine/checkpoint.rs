@@ -78,6 +78,9 @@ impl<P: Scalar> Engine<P> {
             domain.columns().iter().try_for_each(|column| column.free(&domain.name, false))?;
         }
         self.pipeline.come_home(false);
+        self.pipeline.tell_loss()?;
+        // What the integrator had on a device that is gone, it does not remember.
+        let forgets = self.touched || self.stale || self.pipeline.has_unseen_loss();
         let vectors = &self.pipeline.vectors;
         let numbers = |array: &Aligned<P>| told(array.as_slice().iter().copied());
         Ok(Checkpoint {
@@ -89,7 +92,7 @@ impl<P: Scalar> Engine<P> {
             clock: (self.clock.time, self.clock.since, self.clock.step),
             evaluations: self.evaluations,
             origin: self.state.origin.map_or(Vec::new(), |origin| origin.numbers()),
-            memory: if self.touched || self.stale { Vec::new() } else { self.integrator.memory() },
+            memory: if forgets { Vec::new() } else { self.integrator.memory() },
             domains: (0..self.state.domains().len()).map(|domain| self.domain_data(domain)).collect(),
             registers: vectors.kept().iter().map(|array| told(vectors.packed(array))).collect(),
             held: vectors

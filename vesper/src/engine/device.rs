@@ -11,7 +11,7 @@ pub(super) use calibrate::calibrated;
 
 use super::{Engine, blow_up};
 use crate::backend::gpu::{Device, Transfers};
-use crate::error::{Fault, Faults};
+use crate::error::Faults;
 use crate::pipeline::{Listed, Opened};
 use crate::real::Scalar;
 use crate::registry::Backend;
@@ -39,7 +39,8 @@ pub(super) fn device<P: Scalar>(laws: &[Listed<P>]) -> Opened {
 }
 
 impl<P: Scalar> Engine<P> {
-    /// What was moved to and from the graphics processor since the engine was built, or its laws, rows or columns changed last.
+    /// What was moved to and from the graphics processor, counted from zero when the engine is built, and again whenever a law is switched, or
+    /// a row or a column added or removed. Only with the feature `gpu`.
     pub fn transfers(&self) -> Transfers {
         self.pipeline.transfers()
     }
@@ -60,9 +61,7 @@ impl<P: Scalar> Engine<P> {
             // Its vectors were there.
             self.integrator.restart();
         }
-        if let Some(reason) = self.pipeline.loss() {
-            return Err(Fault::DeviceLost { reason }.into());
-        }
+        self.pipeline.tell_loss()?;
         // Of another layout nothing is known yet.
         if !self.pipeline.have_returned() || self.pipeline.layout != self.state.layout() {
             return Ok(());

@@ -19,9 +19,9 @@ pub struct Late<P> {
 }
 
 impl<P: Scalar> Engine<P> {
-    /// A column of numbers without waiting for a graphics processor: where that has the newest ones, a copy of them is asked for, and the
-    /// newest that has arrived since the last call is given; called once a frame, that of the frame before, most often. `None` where
-    /// none has arrived. Where the newest numbers are on the host, these.
+    /// A column of numbers, without waiting for a graphics processor. If the newest numbers are there, this starts a copy and gives the latest
+    /// earlier copy that has arrived since the last call, most often that of the frame before; `None` if none has, as in the first call: keep
+    /// what you have drawn. If they are on the host, they are given as they are now. [`Late::step`] tells which step it is.
     ///
     /// # Errors
     /// There is no such domain or property, nobody observes it, it is a link, or lent memory, which is the client's anyway; or the graphics
@@ -30,12 +30,11 @@ impl<P: Scalar> Engine<P> {
         let info = property.info();
         let column = self.state.column(domain, info.name)?;
         let (step, time) = (self.steps, self.time());
-        if column.is_away() {
+        // Of another layout it is another pipeline's.
+        if column.is_away() && self.pipeline.layout == self.state.layout() {
             let id = self.state.domain_index(domain).and_then(|at| self.pipeline.registry.find(at, info.name));
             let late = id.and_then(|id| self.pipeline.late(id, step, time));
-            if let Some(reason) = self.pipeline.loss() {
-                return Err(Fault::DeviceLost { reason });
-            }
+            self.pipeline.tell_loss()?;
             return Ok(late.map(|(step, time, components)| Late { step, time, components }));
         }
         let components = column.components().ok_or_else(|| Fault::Kind {

@@ -26,9 +26,7 @@ pub(super) fn with_runner<P: Scalar, T>(
             result = Some(work(&mut runner));
         }
     })?;
-    if let Some(reason) = pipeline.loss() {
-        return Err(Fault::DeviceLost { reason }.into());
-    }
+    pipeline.tell_loss()?;
     // `hold` either ran the closure or gave a fault.
     result.ok_or_else(|| Fault::Borrowed { domain: "scene".to_owned(), property: "time".to_owned() }.into())
 }

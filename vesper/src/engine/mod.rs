@@ -259,6 +259,8 @@ impl<P: Scalar> Engine<P> {
     fn prepare(&mut self) -> Result<(), Faults> {
         self.look_after_device()?;
         if self.stale || self.pipeline.layout != self.state.layout() {
+            self.pipeline.come_home(true);
+            self.pipeline.tell_loss()?;
             self.rebuild()?;
         }
         if self.touched {

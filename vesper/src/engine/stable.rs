@@ -46,6 +46,7 @@ impl<P: Scalar> Engine<P> {
         }
         // What is looked at here is the host's.
         self.pipeline.come_home(true);
+        self.pipeline.tell_loss()?;
         let residency = self.pipeline.residency.take();
         // Vectors of its own: those of the integrator, and what it remembers in them, stay as they are.
         let more = Vectors::new(&self.pipeline, &self.state, vectors, (false, false, false));

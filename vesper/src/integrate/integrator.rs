@@ -153,8 +153,8 @@ pub trait Integrator: Send {
     fn is_beyond_f64(&self) -> bool {
         false
     }
-    /// Whether every step asks the same of the system, whatever the numbers are: what a step moves to and from a device can then be foreseen,
-    /// by a step on a system without numbers.
+    /// Whether every step makes the same calls on the system in the same order, whatever the values. Then `explain` can foretell what a step moves
+    /// to and from a device, by steps on a system whose values are all 0. `false` costs that forecast, and nothing else.
     fn steps_alike(&self) -> bool {
         false
     }

@@ -90,6 +90,10 @@ impl<P: Scalar> DevicePass<P> {
                 return false;
             }
             residency.on_device(&self.touches, context.lent);
+            if residency.is_lost() {
+                residency.on_host(&self.on_host, context.lent);
+                return false;
+            }
         }
         let first = self.calls.iter().find_map(|call| call.law).unwrap_or_default();
         context.timed(first, || {
@@ -306,6 +310,11 @@ impl<P: Scalar> Pipeline<P> {
         self.residency.as_ref().map_or_else(Transfers::default, |residency| lock(residency).moved())
     }
 
+    /// Whether the device was lost since [`Pipeline::look_for_loss`].
+    pub(crate) fn has_unseen_loss(&self) -> bool {
+        self.residency.as_ref().is_some_and(|residency| lock(residency).has_unseen_loss())
+    }
+
     /// Whether numbers have come from a device since this was last asked.
     pub(crate) fn have_returned(&self) -> bool {
         self.residency.as_ref().is_some_and(|residency| lock(residency).have_returned())
@@ -317,7 +326,7 @@ impl<P: Scalar> Pipeline<P> {
     }
 
     /// Why numbers were lost with a device, where that is so and nobody was told.
-    pub(crate) fn loss(&self) -> Option<String> {
+    pub(super) fn loss(&self) -> Option<String> {
         lock(self.residency.as_ref()?).loss()
     }
 }

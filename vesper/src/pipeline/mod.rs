@@ -301,6 +301,11 @@ impl<P: Scalar> Pipeline<P> {
         paces
     }
 
+    /// A fault where numbers were lost with a device, and nobody was told.
+    pub(crate) fn tell_loss(&self) -> Result<(), Fault> {
+        self.loss().map_or(Ok(()), |reason| Err(Fault::DeviceLost { reason }))
+    }
+
     /// Lent memory may begin elsewhere than in the last run.
     pub(crate) fn forget_addresses(&mut self) {
         for pass in self.programs.iter_mut().flat_map(|program| &mut program.passes) {

@@ -95,7 +95,11 @@ impl<P: Scalar> Pipeline<P> {
         None
     }
 
-    pub(crate) fn loss(&self) -> Option<String> {
+    pub(crate) fn has_unseen_loss(&self) -> bool {
+        false
+    }
+
+    pub(super) fn loss(&self) -> Option<String> {
         None
     }
 }

@@ -21,7 +21,7 @@ use std::sync::{Mutex, PoisonError};
 /// Where a law runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Backend {
-    /// Chosen by size.
+    /// What the builder says; if that says nothing either, on one core or all of them, by size. Never on a graphics processor.
     #[default]
     Auto,
     /// On one core.
@@ -31,9 +31,9 @@ pub enum Backend {
     /// On a graphics processor (feature `gpu`), where there is one that can; else on the host, and `explain` says why. Sums of pairs
     /// are in another order there.
     Gpu,
-    /// Where a step takes least: when the engine is built, whole steps are timed with the law here and there, and `explain` says what was
-    /// found. Without the feature `gpu` the same as `Auto`. The choice may be another one in the next run, and with it the last bits of sums
-    /// of pairs: a run that is to be repeated says where its laws run.
+    /// Where a step takes least: when the engine is built, whole steps are timed with the law on the host and on the graphics processor, and
+    /// `explain` says what was found. As `Auto` without the feature `gpu`, without a device, or where the client lends memory. The choice
+    /// may be another one in the next run, and with it the last bits of sums of pairs: a run that is to be repeated says where its laws run.
     Fastest,
 }
 

@@ -28,7 +28,7 @@ pub(crate) struct Work<'a> {
 /// What was moved between a host and a device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Transfers {
-    /// Columns that were brought to the device.
+    /// Columns that were brought to the device; a vector is one column.
     pub uploads: u64,
     /// Their bytes.
     pub uploaded: u64,
@@ -90,8 +90,9 @@ impl Stream {
         let Some(Open { pass, encoder, .. }) = self.open.take() else { return Ok(()) };
         drop(pass);
         self.send(device, encoder);
-        let first = if self.sent.len() > ON_THEIR_WAY { self.sent.pop_front() } else { None };
-        first.map_or(Ok(()), |first| wait(device, first))
+        // The last of those that are too many: those before it have ended then, too.
+        let last = self.sent.drain(..self.sent.len().saturating_sub(ON_THEIR_WAY)).next_back();
+        last.map_or(Ok(()), |last| wait(device, last))
     }
 
     fn send(&mut self, device: &Device, encoder: wgpu::CommandEncoder) {

@@ -72,12 +72,11 @@ pub(in crate::engine) fn calibrated<P: Scalar>(
             there[number] = !there[number];
         }
     }
-    for (law, there) in free.iter().zip(&there) {
-        lines.push(format!("  {}: {}", trial.laws[*law].entry.label(), side(*there)));
-    }
     trial.place(&free, &there);
     let Trial { laws, chains, machine, state, integrator, .. } = trial;
     let pipeline = Pipeline::new(laws, chains, state, &*integrator, observe, settings, machine)?;
+    let placed = |law: &usize| format!("  {}: {}", laws[*law].entry.label(), side(pipeline.is_on_device(*law)));
+    lines.extend(free.iter().map(placed));
     Ok((pipeline, lines))
 }
 
@@ -120,7 +119,8 @@ impl<P: Scalar> Trial<'_, P> {
         for number in 0..=STEPS {
             let begin = Instant::now();
             let shared = (&**laws, *chains, &**machine);
-            let done = with_runner(&mut pipeline, &state, shared, (state.time().to_f64(), number as u64), |runner| {
+            // Step 0, on which every law is due.
+            let done = with_runner(&mut pipeline, &state, shared, (state.time().to_f64(), 0), |runner| {
                 let done = integrator.step(runner, *step).and_then(|()| integrator.finish(runner));
                 runner.run(Key::Observe);
                 done.is_ok()

@@ -308,6 +308,26 @@ mod tests {
         assert!(text.contains("    not on the graphics processor: it is gone") && text.contains("  rows: "), "{text}");
     }
 
+    /// A pipeline that is made after the loss asks the device for nothing.
+    #[test]
+    fn laws_may_be_switched_after_a_device_is_lost() {
+        let Some([mut here, mut there]) = here_and_there() else { return };
+        for engine in [&mut here, &mut there] {
+            engine.steps_of(4, 0.125).unwrap();
+            engine.state().hash();
+        }
+        unplug(&there);
+        for engine in [&mut here, &mut there] {
+            engine.steps_of(1, 0.125).unwrap();
+            engine.enable("pull", false).unwrap();
+            engine.steps_of(2, 0.125).unwrap();
+            engine.enable("pull", true).unwrap();
+            engine.steps_of(1, 0.125).unwrap();
+        }
+        assert_eq!(here.state().hash(), there.state().hash());
+        assert_eq!(there.backends(), [Some(Backend::Cpu); 2]);
+    }
+
     #[test]
     fn numbers_that_are_lost_with_a_device_are_none_and_the_client_is_told() {
         let Some([mut here, mut there]) = here_and_there() else { return };

@@ -49,6 +49,9 @@ struct Late {
     copy: Arriving,
 }
 
+/// Bytes that come to the host in one go, but for a column that alone has more: a buffer of all columns may be more than a device makes.
+const TOGETHER: usize = 256 << 20;
+
 /// Where the numbers of a pipeline are.
 pub(crate) struct Residency<P: Scalar> {
     pub(super) device: Arc<Device>,
@@ -88,6 +91,8 @@ impl<P: Scalar> Residency<P> {
     /// All is on the host.
     pub(crate) fn new(device: Arc<Device>) -> Self {
         let (ledger, stream) = (Ledger::default(), Stream::default());
+        // Of a device that is gone already nothing is asked.
+        let failed = device.look().is_some();
         Residency {
             device,
             ledger,
@@ -96,7 +101,7 @@ impl<P: Scalar> Residency<P> {
             arriving: Vec::new(),
             sums: HashMap::new(),
             refuses_sums: false,
-            failed: false,
+            failed,
             unseen: false,
             running: false,
             returned: false,
@@ -205,6 +210,11 @@ impl<P: Scalar> Residency<P> {
         Some((step, time, components.collect()))
     }
 
+    /// Whether the device was lost, and nobody has asked yet.
+    pub(crate) fn has_unseen_loss(&self) -> bool {
+        self.unseen
+    }
+
     /// Finds a loss that nobody has noticed yet, before more is lost; whether there was one since this was last asked.
     pub(crate) fn look_for_loss(&mut self) -> bool {
         if let Some(fault) = self.device.look().filter(|_| !self.failed) {
@@ -223,6 +233,9 @@ impl<P: Scalar> Residency<P> {
         for &touch in touches {
             if self.ledger.is_missing(Side::Device, touch) {
                 self.bring_to_device(touch.column, lent);
+            }
+            if self.failed {
+                return;
             }
             self.touched(Side::Device, touch);
         }
@@ -247,6 +260,10 @@ impl<P: Scalar> Residency<P> {
     }
 
     fn touched(&mut self, side: Side, touch: Touch) {
+        if side == Side::Host {
+            // What is still on its way is older than what is here.
+            self.arriving.retain(|late| late.column != touch.column);
+        }
         self.ledger.touch(side, touch);
         let [here, there] = [Side::Host, Side::Device].map(|side| self.ledger.is_valid(side, touch.column));
         self.columns[touch.column].flags.set(!here, there);
@@ -323,17 +340,28 @@ impl<P: Scalar> Residency<P> {
         self.stream.upload(&self.device, buffer, [bytes_of(&packed)].into_iter());
     }
 
-    /// Brings the numbers of columns to the host, in one go.
+    /// Brings the numbers of columns to the host, in one go, or in as many as they have room in.
     fn bring_to_host(&mut self, columns: &[usize], lent: &[*mut P]) {
-        let all = columns.iter().map(|&column| &self.columns[column]);
         // Who asks without the client's memory asks for none of it.
-        let there = |column: &&Column<P>| column.bytes() > 0 && !(lent.is_empty() && column.is_lent());
-        let all: Vec<&Column<P>> = all.filter(there).collect();
+        let there = |column: &Column<P>| column.bytes() > 0 && !(lent.is_empty() && column.is_lent());
+        let mut left: Vec<usize> = columns.iter().copied().filter(|column| there(&self.columns[*column])).collect();
+        while !left.is_empty() && !self.failed {
+            let mut bytes = 0;
+            let fits = |column: &&usize| {
+                bytes += self.columns[**column].bytes();
+                bytes <= TOGETHER
+            };
+            let count = left.iter().take_while(fits).count().max(1);
+            let later = left.split_off(count);
+            self.bring_together(&left, lent);
+            left = later;
+        }
+    }
+
+    fn bring_together(&mut self, columns: &[usize], lent: &[*mut P]) {
+        let all: Vec<&Column<P>> = columns.iter().map(|column| &self.columns[*column]).collect();
         let from: Vec<(&Buffer, usize)> =
             all.iter().filter_map(|column| Some((column.buffer.as_ref()?, column.bytes()))).collect();
-        if from.is_empty() {
-            return;
-        }
         self.returned = true;
         let done = self.stream.download(&self.device, &from, |mut bytes| {
             for column in &all {
@@ -352,7 +380,7 @@ impl<P: Scalar> Residency<P> {
         if !self.failed {
             log::warn!("{fault}: its laws go on on the host");
             self.device.give_up(fault.clone());
-            (self.failed, self.unseen) = (true, true);
+            (self.failed, self.unseen, self.returned) = (true, true, true);
         }
         for number in 0..self.columns.len() {
             let column = &self.columns[number];

@@ -141,7 +141,9 @@ impl<P: Scalar> Residency<P> {
                 break;
             }
             self.on_device(&sum.touches, lent);
-            self.sum(sum);
+            if !self.is_lost() {
+                self.sum(sum);
+            }
         }
         // If it was lost on the way, what it had is no number, and neither is the sum.
         if self.is_lost() || !ready {
