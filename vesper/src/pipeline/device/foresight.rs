@@ -7,7 +7,7 @@ use super::ledger::{Ledger, Side, Touch};
 use super::residency::{Residency, What, lock};
 use crate::backend::gpu::Access;
 use crate::error::Fault;
-use crate::integrate::{Combination, Integrator, Linearised, Pace, Quantity, Register, Structure, System, Terms};
+use crate::integrate::{Combination, Integrator, Linearised, Pace, Quantity, Register, Structure, System};
 use crate::law::Part;
 use crate::pipeline::bind::Pass;
 use crate::pipeline::run::{is_due, next_key};
@@ -188,10 +188,6 @@ impl<P: Scalar> System for Rehearsal<'_, P> {
         let share = self.residency.share(&self.pipeline.vectors, &combination);
         share.touches().for_each(|touches| self.touch(Side::Device, touches, Reader::Step));
         self.touch(Side::Host, &share.host, Reader::Step);
-    }
-    fn copy(&mut self, to: Register, from: Register, part: Part) {
-        let whole = [(1.0, from)];
-        self.linear(Combination { to, adds: false, part, terms: Terms::of(&whole), momenta: Terms::NONE });
     }
     fn magnitudes(&mut self, _of: &[Register], _part: Part, _each: &mut dyn FnMut(usize, &[f64])) {
         self.come_home(false);

@@ -98,9 +98,8 @@ impl<P: Scalar> Residency<P> {
                 continue;
             }
             let to = self.register(vectors, to, number);
-            let terms: Vec<(f64, usize)> =
+            let mut terms: Vec<(f64, usize)> =
                 all.map(|(factor, from, of)| (factor, self.register(vectors, from, of))).collect();
-            let mut terms = terms;
             if terms.len() > most {
                 // What is written is looked at before it is.
                 terms.sort_by_key(|(_, column)| *column != to);
