@@ -12,6 +12,7 @@ pub mod command;
 pub mod csv;
 pub mod fault;
 pub mod generate;
+pub mod modules;
 pub mod output;
 pub mod reader;
 pub mod run;

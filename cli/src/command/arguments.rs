@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::assemble::integrators::INTEGRATORS;
+use crate::modules::Modules;
 use crate::scene::{OptionKind, Override};
 
 /// Runs scenes of physics, and says what they are made of.
@@ -73,6 +74,9 @@ largest magnitude, or by the scale that a case gives.")]
     Laws {
         /// The law; all where none is named.
         name: Option<String>,
+        /// A folder of law modules, which are listed too; may be given many times
+        #[arg(long = "laws", value_name = "DIR")]
+        folders: Vec<PathBuf>,
     },
 }
 
@@ -97,6 +101,9 @@ pub struct SceneArguments {
     #[cfg_attr(not(feature = "gpu"), arg(long, value_name = "auto|cpu|parallel"))]
     #[cfg_attr(feature = "gpu", arg(long, value_name = "auto|cpu|parallel|gpu|fastest"))]
     pub backend: Option<String>,
+    /// Modules of laws.
+    #[command(flatten)]
+    pub modules: ModuleArguments,
     /// Threads, strictness, single values.
     #[command(flatten)]
     pub changes: Changes,
@@ -114,6 +121,25 @@ pub struct Changes {
     /// Sets one value of the scene, as in engine.step=1e-3; may be given many times
     #[arg(long = "set", value_name = "PATH=VALUE", allow_hyphen_values = true)]
     pub set: Vec<String>,
+}
+
+/// Where the modules of a scene's laws may come from.
+#[derive(Args, Debug)]
+pub struct ModuleArguments {
+    /// A folder of law modules (`module = ".."` in scenes); may be given many times, and those of VESPER_LAW_PATH come after
+    // `vesper study --laws` was there first.
+    #[arg(long = "laws", value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+    /// Lets the scene name files of modules: their code runs with your rights
+    #[arg(long)]
+    pub allow_module_files: bool,
+}
+
+impl ModuleArguments {
+    /// Where modules may come from.
+    pub fn modules(&self) -> Modules {
+        Modules::new(&self.folders, self.allow_module_files)
+    }
 }
 
 /// `vesper run`.
@@ -188,6 +214,9 @@ pub struct Study {
     /// Switch off each law in turn, and tell what it does to the end, and what it costs
     #[arg(long, conflicts_with_all = ["integrators", "steps", "tolerances", "compensated", "fps", "resume"])]
     pub laws: bool,
+    /// A folder of law modules, as `--laws` of `vesper run`; may be given many times
+    #[arg(long, value_name = "DIR")]
+    pub laws_from: Vec<PathBuf>,
     /// What is compared, as DOMAIN.PROPERTY [default: all that the scene shows]
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
     pub of: Vec<String>,

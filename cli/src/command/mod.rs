@@ -11,6 +11,7 @@ mod study;
 pub use arguments::{Arguments, Command};
 
 use std::io::Write;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -21,6 +22,7 @@ use vesper::prelude::DoubleDouble;
 
 use crate::assemble;
 use crate::fault::{SceneFault, print_faults};
+use crate::modules::Modules;
 use crate::scene::{Override, Precision, Scene};
 use arguments::{Explain, SceneArguments};
 
@@ -55,7 +57,7 @@ pub fn execute(arguments: &Arguments) -> Exit {
         Command::Run(run) => run::run(run),
         Command::Study(study) => study::study(study),
         Command::Explain(explain) => self::explain(explain),
-        Command::Laws { name } => laws::laws(name.as_deref()),
+        Command::Laws { name, folders } => laws::laws(name.as_deref(), &Modules::new(folders, false)),
     };
     result.unwrap_or_else(|faults| {
         complain(&print_faults(&faults));
@@ -79,7 +81,14 @@ fn explained<P: vesper::prelude::Precision>(scene: &Scene, dot: bool) -> Result<
 }
 
 fn read(arguments: &SceneArguments, overrides: &[Override]) -> Result<Scene, Vec<SceneFault>> {
-    Scene::read_and(&arguments.scene, overrides, assemble::names)
+    scene(&arguments.scene, overrides, arguments.modules.modules())
+}
+
+/// Reads a scene whose laws may be in modules.
+fn scene(path: &Path, overrides: &[Override], modules: Modules) -> Result<Scene, Vec<SceneFault>> {
+    let mut scene = Scene::read_and(path, overrides, |scene| assemble::names(scene, &modules))?;
+    scene.modules = modules;
+    Ok(scene)
 }
 
 fn precision(scene: &Scene) -> Precision {

@@ -9,11 +9,11 @@ use vesper::prelude::*;
 
 use super::arguments::Study;
 use super::{Exit, complain, say, stop_on_interrupt};
-use crate::assemble;
 use crate::assemble::integrators::{self, NamedIntegrator};
 use crate::fault::SceneFault;
+use crate::modules::Modules;
 use crate::output::json;
-use crate::scene::{PRECISIONS, Precision as Numbers, Scene};
+use crate::scene::{PRECISIONS, Precision as Numbers};
 use crate::study::{
     Attribution, Budget, Findings, Grid, Keeper, Method, Patience, Problem, Refusal, Run, choice, diagram, makers,
     read, shares, table, written,
@@ -248,7 +248,7 @@ fn problems(arguments: &Study) -> Result<Vec<Problem>, Vec<SceneFault>> {
     let path = &arguments.file;
     let file = path.display().to_string();
     if path.extension().is_none_or(|extension| extension != "json") {
-        let scene = Scene::read_and(path, &arguments.overrides(), assemble::names)?;
+        let scene = super::scene(path, &arguments.overrides(), Modules::new(&arguments.laws_from, false))?;
         let id = path.file_stem().map_or_else(|| file.clone(), |stem| stem.to_string_lossy().into_owned());
         return Problem::of_scene(&id, scene, &arguments.of).map(|problem| vec![problem]);
     }

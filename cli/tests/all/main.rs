@@ -3,6 +3,7 @@
 mod command;
 mod common;
 mod examples;
+mod modules;
 mod names;
 mod references;
 mod scene;
