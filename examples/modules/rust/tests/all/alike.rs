@@ -53,7 +53,7 @@ fn alike<P: Precision>(what: &str, make: impl Fn(Builder<P>, bool) -> Builder<P>
         let made = |loaded: bool| {
             let builder = Engine::<P>::builder().domain(typed::<P>(count)).domain(cords::<P>(count)).threads(threads);
             let builder = match integrator {
-                "runge_kutta" => builder.integrator(RungeKutta4::default()),
+                "runge_kutta" => builder.integrator(RungeKutta4),
                 "dormand_prince" => builder.integrator(DormandPrince5::default()),
                 "radau" => builder.integrator(GaussRadau15::default()),
                 _ => builder.integrator(Leapfrog::default()),
@@ -75,7 +75,7 @@ fn alike<P: Precision>(what: &str, make: impl Fn(Builder<P>, bool) -> Builder<P>
 macro_rules! pair {
     ($here:expr, $name:literal) => {
         |builder, loaded| {
-            let builder = builder.law(Drag::default());
+            let builder = builder.law(Drag);
             if loaded { builder.law(law($name)).law(Motion) } else { builder.law($here).law(Motion) }
         }
     };
@@ -98,7 +98,7 @@ fn loaded_laws_of_every_shape_give_the_bits_of_those_that_are_here() {
 #[test]
 fn a_loaded_law_of_motion_takes_part_in_merged_steps() {
     let flight = |builder: Builder<f64>, loaded| {
-        let builder = builder.law(Drag::default());
+        let builder = builder.law(Drag);
         if loaded { builder.law(law("flight")) } else { builder.law(Flight) }
     };
     for count in [1, 2, 9, 1000, 3000] {
@@ -134,7 +134,7 @@ fn one_scene_has_laws_from_here_from_rust_and_from_c() {
     assert_eq!((in_c.name(), in_c.build()), ("lift", "lift.c"));
     let run = |how: &str| {
         let builder = Engine::<f64>::builder().domain(birds(1000)).constant(GravityAcceleration, [0.0, 0.0, -9.81]);
-        let builder = builder.law(Motion).law(UniformGravity).law(Drag::default());
+        let builder = builder.law(Motion).law(UniformGravity).law(Drag);
         let builder = match how {
             "rust" => builder.law(law("lift").with("slope", &[0.25]).unwrap()),
             "c" => builder.law(in_c.law("lift").unwrap().with("slope", &[0.25]).unwrap()),
@@ -271,7 +271,7 @@ fn shapes_in<P: Precision>(number: &str, within: f64) {
         }] {
             let run = |in_c: bool, shape: &str| {
                 let builder = Engine::<P>::builder().domain(typed::<P>(count)).domain(cords::<P>(count));
-                let builder = builder.law(Drag::default()).threads(2);
+                let builder = builder.law(Drag).threads(2);
                 let builder = match *integrator {
                     "adaptive" => builder.integrator(DormandPrince8::default()),
                     "implicit" => builder.integrator(ImplicitMidpoint::default()),

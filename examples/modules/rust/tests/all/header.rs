@@ -109,7 +109,7 @@ fn c_and_rust_have_the_same_structures() {
             .unwrap();
         let without_comments: String =
             body.split("/*").map(|part| part.split_once("*/").map_or(part, |(_, rest)| rest)).collect();
-        let declared: usize = without_comments.split(';').map(|line| fields_of(line)).sum();
+        let declared: usize = without_comments.split(';').map(fields_of).sum();
         assert_eq!(declared, fields.len(), "{name}: {without_comments}");
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
