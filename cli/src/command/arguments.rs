@@ -62,7 +62,7 @@ files of these names that are in DIR are overwritten. Errors are the largest ove
 largest magnitude, or by the scale that a case gives.")]
     Study(Study),
     /// Runs a scene with many values: an ensemble, in shards if it is large, with one table and one picture at the end
-    #[command(after_help = SWEEP)]
+    #[command(after_help = SWEEP, mut_arg("threads", |threads| threads.help("Threads of each run [default: 1]")))]
     Sweep(Sweep),
     /// Prints the law graph of a scene: who runs, in which order, why, where, and who does not
     #[command(after_help = "Examples:

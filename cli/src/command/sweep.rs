@@ -153,6 +153,10 @@ fn finish(
         let (all, lacking) = (runs(ensemble.runs()), pieces(&missing));
         text += &format!("{} of {all} are in {}; missing: {lacking}\n", records.len(), shown(arguments));
         text += &who(&missing, shard);
+        text += &format!(
+            "the last one to end makes the table, and so does vesper sweep --collect --out {}\n",
+            shown(arguments)
+        );
     }
     if arguments.json {
         let runs: Vec<_> = records.iter().map(|record| record.to_json(ensemble)).collect();
@@ -214,7 +218,7 @@ fn who(missing: &[usize], shard: Shard) -> String {
     shards.dedup();
     let options: Vec<String> = shards.iter().take(MOST_PIECES).map(|k| format!("--shard {k}/{}", shard.of)).collect();
     let more = if shards.len() > MOST_PIECES { " and so on" } else { "" };
-    format!("the same command makes them with {}{more}; the last one to end makes the table\n", options.join(", "))
+    format!("the same command makes them with {}{more}\n", options.join(", "))
 }
 
 /// Numbers of runs, as `2-4, 6`.
@@ -242,6 +246,6 @@ mod tests {
         let odd: Vec<usize> = (1..100).step_by(2).collect();
         assert_eq!(pieces(&odd), "1, 3, 5, 7, 9, 11, 13, 15, 17, 19 and so on");
         let told = who(&[2, 4, 6], Shard { number: 1, of: 4 });
-        assert!(told.contains("with --shard 2/4, --shard 4/4; the last"), "{told}");
+        assert!(told.contains("with --shard 2/4, --shard 4/4\n"), "{told}");
     }
 }

@@ -7,6 +7,8 @@
 //! thousands of combinations need not be. A combination that does not go together is a run that fails, as one that breaks on
 //! its way does; only where no run could begin is that a mistake of the scene.
 
+use std::path::Path;
+
 use vesper::prelude::DoubleDouble;
 use vesper_laws::catalog::CatalogPrecision;
 
@@ -36,7 +38,9 @@ pub fn check(plan: &mut Plan, mut faults: Vec<SceneFault>) -> Result<(), Vec<Sce
         return Err(faults);
     }
     let (title, units) = first_that_begins(plan, &runs, &measures)?;
-    plan.ensemble.title = title.unwrap_or_else(|| plan.file.clone());
+    // Not the path of the file, which is another one on another machine.
+    let name = || Path::new(&plan.file).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    plan.ensemble.title = title.unwrap_or_else(name);
     for (mut measure, unit) in measures.into_iter().zip(units) {
         match unit {
             Ok(unit) => {

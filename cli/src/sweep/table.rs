@@ -54,7 +54,8 @@ pub fn words(ensemble: &Ensemble, records: &[Record]) -> String {
     };
     add("run".to_owned(), &mut shown.iter().map(|record| record.run.to_string()));
     for (place, vary) in ensemble.varies.iter().enumerate() {
-        let value = |record: &Record| vary.values.get(ensemble.indices(record.run)[place]).cloned().unwrap_or_default();
+        let value = |record: &Record| vary.values.get(ensemble.indices(record.run)[place]).map_or("", String::as_str);
+        let value = |record: &Record| short(value(record));
         add(vary.path.clone(), &mut shown.iter().map(value));
     }
     add("time [s]".to_owned(), &mut shown.iter().map(|record| number(Some(record.time), 6)));
@@ -73,15 +74,28 @@ pub fn words(ensemble: &Ensemble, records: &[Record]) -> String {
     for row in 0..=shown.len() {
         let cells: Vec<String> =
             columns.iter().zip(&widths).map(|(cells, width)| format!("{:>width$}", cells[row])).collect();
-        let fault = row.checked_sub(1).and_then(|row| shown[row].fault.as_ref());
-        let fault = fault.map_or_else(String::new, |fault| format!("  failed: {fault}"));
-        let line = format!("{}{fault}", cells.join("  "));
-        text += &format!("{}\n", line.trim_end());
+        let failed = row.checked_sub(1).map_or_else(String::new, |row| failure(&shown[row], &shown[..row]));
+        text += &format!("{}\n", format!("{}{failed}", cells.join("  ")).trim_end());
     }
     if records.len() > shown.len() {
         text += &format!("and {} more\n", records.len() - shown.len());
     }
     text
+}
+
+/// Why a run failed; of a reason that stands above already, only where.
+fn failure(record: &Record, before: &[Record]) -> String {
+    let Some(fault) = &record.fault else { return String::new() };
+    match before.iter().find(|known| known.fault.as_ref() == Some(fault)) {
+        Some(known) => format!("  failed as run {}", known.run),
+        None => format!("  failed: {fault}"),
+    }
+}
+
+/// A value in at most eight digits, where it has a fraction.
+fn short(value: &str) -> String {
+    let number = value.parse().ok().filter(|number: &f64| number.is_finite() && value.contains(['.', 'e']));
+    number.map_or_else(|| value.to_owned(), |number| rounded(number, 8).to_string())
 }
 
 #[cfg(test)]
@@ -109,6 +123,7 @@ mod tests {
         };
         let fault = Some("x, y".to_owned());
         let failed = Record { fault, time: 1.0, ..Record::refused(&ensemble, 2, &[]) };
+        assert_eq!(failure(&failed, std::slice::from_ref(&failed)), "  failed as run 2");
         let records = [done, failed];
         assert_eq!(
             csv(&ensemble, &records),

@@ -9,8 +9,9 @@
 //! | `FIRST:LAST:COUNT:log` | the same by equal factors |
 //! | `[V, V, ..]` | these: numbers, words, or anything else that `--set` takes, as `[[0, 0, -9.81], [0, 0, -1.62]]` |
 //!
-//! Values between the ends are rounded to 15 digits, by equal factors to 12: so a table says 0.3, and not
-//! 0.30000000000000004, and machines whose powers differ in a last bit agree on the runs.
+//! Of values at equal distances the last bits give way where that saves digits, so that a table says 0.3, and not
+//! 0.30000000000000004. Values by equal factors are rounded to 12 digits: so machines whose powers differ in a last bit agree
+//! on the runs.
 
 use super::ensemble::MOST_RUNS;
 use crate::fault::{SceneFault, number};
@@ -157,7 +158,7 @@ fn range([first, last, count]: [&str; 3], log: bool, wrong: &Wrong<'_>) -> Resul
         }
         // Whole distances first, which are exact for most numbers that people write; where that is too large, parts.
         let sum = (low * (many - 1 - index) as f64 + high * index as f64) / parts;
-        rounded(if sum.is_finite() { sum } else { low * before + high * after }, 15)
+        short(if sum.is_finite() { sum } else { low * before + high * after })
     };
     let value = |index: usize| match index {
         0 => low,
@@ -170,6 +171,12 @@ fn range([first, last, count]: [&str; 3], log: bool, wrong: &Wrong<'_>) -> Resul
 /// To so many significant digits.
 fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
+}
+
+/// The number of 15 digits that is a last bit or two away, where there is one.
+fn short(value: f64) -> f64 {
+    let near = rounded(value, 15);
+    if (near - value).abs() <= f64::EPSILON * value.abs() { near } else { value }
 }
 
 /// A number as TOML has it; one that is whole without a point, so that it may also count something.
@@ -250,6 +257,8 @@ mod tests {
     #[test]
     fn even_and_log_values_include_both_ends_and_are_short() {
         assert_eq!(values("a.b=0:1:11")[3..8], ["0.3", "0.4", "0.5", "0.6", "0.7"]);
+        assert_eq!(values("a.b=0.1:1:10")[1..9], ["0.2", "0.3", "0.4", "0.5", "0.6", "0.7", "0.8", "0.9"]);
+        assert_eq!(values("a.b=0:20:4"), ["0", "6.666666666666667", "13.333333333333334", "20"]);
         assert_eq!(values("a.b=1:8:8"), ["1", "2", "3", "4", "5", "6", "7", "8"]);
         assert_eq!(values("a.b=1e-3:1:4:log"), ["0.001", "0.01", "0.1", "1"]);
         assert_eq!(values("a.b=-1:-100:3:log"), ["-1", "-10", "-100"]);

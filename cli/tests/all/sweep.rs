@@ -303,6 +303,13 @@ fn words_numbers_and_vectors_vary_and_forces_can_be_measured() {
     // For each integrator a panel of each measure, with lines for the two gravities: they are vectors, no numbers.
     assert!(drawn.contains("bodies.force[1].z [N], engine.integrator=leapfrog"), "{drawn}");
     assert_eq!(drawn.matches("<circle").count(), 2 * 2 * (2 * 3 + 2));
+    // What lies inside of another path is set after it, in whichever order they are given.
+    let words =
+        "--vary engine.integrator.rtol=[1e-5,1e-9] --vary engine.integrator=[dormand_prince_5,dormand_prince_8]";
+    let told: Value = serde_json::from_str(&swept(words, &[&scene, "--json"])).unwrap();
+    let evaluations = |run: usize| told["runs"][run]["evaluations"].as_u64().unwrap();
+    assert!(evaluations(0) < evaluations(2) && evaluations(1) < evaluations(3), "{told}");
+    assert_eq!(told["runs"][1]["key"], "engine.integrator.rtol=1e-5 engine.integrator=dormand_prince_8");
     // One number that varies, and drifts where nothing is measured.
     let told = swept("--vary engine.step=0.01:0.02:3", &[&scene]);
     assert!(told.contains("momentum drift") && !told.contains("written"), "{told}");
@@ -366,6 +373,10 @@ fn runs_that_cannot_be_kept_are_told() {
 #[test]
 fn the_help_has_an_example_of_each_form() {
     let help = done(["sweep", "--help"]).stdout;
+    assert!(
+        help.contains("Threads of each run [default: 1]") && !help.contains("all cores]\n      --strict"),
+        "{help}"
+    );
     for words in ["FIRST:LAST:COUNT:log", "[V,V,..]", "$SLURM_ARRAY_TASK_ID/16", "--collect", "bodies.position[0].x"] {
         assert!(help.contains(words), "{words}: {help}");
     }
