@@ -151,7 +151,7 @@ fn finish(
         }
     } else {
         let (all, lacking) = (runs(ensemble.runs()), pieces(&missing));
-        text += &format!("{} of {all} are in {}; missing: {lacking}\n", records.len(), shown(arguments));
+        text += &format!("{} of {all} are in {}; not there, or not yet: {lacking}\n", records.len(), shown(arguments));
         text += &who(&missing, shard);
         text += &format!(
             "the last one to end makes the table, and so does vesper sweep --collect --out {}\n",
@@ -210,8 +210,7 @@ fn runs(count: usize) -> String {
 /// Who makes the missing runs.
 fn who(missing: &[usize], shard: Shard) -> String {
     if shard == WHOLE {
-        return "the same command as before makes them, in shards or without; what is there is not run again\n"
-            .to_owned();
+        return "the same command as before makes them, in shards or without\n".to_owned();
     }
     let mut shards: Vec<usize> = missing.iter().map(|run| Shard::making(*run, shard.of)).collect();
     shards.sort_unstable();

@@ -3,8 +3,9 @@
 //! In: a plan. Out: the plan with what only an engine knows (units, the title), or every mistake: of paths, of values, of the
 //! scene, of what is measured. Never: a step.
 //!
-//! Each value is looked at once, beside the first ones of whatever else varies: so all words and numbers are seen, and
-//! thousands of combinations need not be. A combination that does not go together is a run that fails, as one that breaks on
+//! Values are looked at one by one, beside the first ones of whatever else varies: so all words are seen, and thousands of
+//! combinations need not be; of long ranges of numbers the first ones and the last, for what a number may be has a limit, or
+//! is whole. A combination that does not go together is a run that fails, as one that breaks on
 //! its way does; only where no run could begin is that a mistake of the scene.
 
 use std::path::Path;
@@ -15,9 +16,13 @@ use vesper_laws::catalog::CatalogPrecision;
 use super::ensemble::{Ensemble, MOST_RUNS};
 use super::measure::Measure;
 use super::plan::Plan;
+use super::vary::Spacing;
 use crate::fault::SceneFault;
 use crate::run::Ready;
 use crate::scene::{Override, Precision, Scene};
+
+/// So many values of a range are looked at, and its last.
+const MOST_OF_A_RANGE: usize = 50;
 
 /// Checks `plan`, and completes it. `faults` are those known so far: where there are any, no engine is asked, which might
 /// miss what a wrong argument was to give.
@@ -26,12 +31,14 @@ use crate::scene::{Override, Precision, Scene};
 /// Everything that is wrong, and `faults`.
 pub fn check(plan: &mut Plan, mut faults: Vec<SceneFault>) -> Result<(), Vec<SceneFault>> {
     faults.extend(of_the_arguments(plan));
-    if plan.ensemble.checked_runs().is_none_or(|runs| runs > MOST_RUNS) {
+    let few = plan.ensemble.checked_runs().is_some_and(|runs| runs <= MOST_RUNS);
+    if !few {
         faults.push(too_many(&plan.ensemble));
     }
     // Measures are looked at by an engine; until then they are not to be observed.
     let measures = std::mem::take(&mut plan.ensemble.measures);
-    let runs = one_by_one(&plan.ensemble);
+    // Runs beyond all numbers have none to be looked at by.
+    let runs = if few { one_by_one(&plan.ensemble) } else { vec![1] };
     let wrong = runs.iter().filter_map(|run| plan.scene(*run).err()).flatten();
     faults.extend(told_once(wrong));
     if !faults.is_empty() {
@@ -78,7 +85,9 @@ fn first_that_begins(
 fn one_by_one(ensemble: &Ensemble) -> Vec<usize> {
     let mut runs = vec![1];
     for (place, vary) in ensemble.varies.iter().enumerate() {
-        for index in 1..vary.values.len() {
+        let last = vary.values.len().saturating_sub(1);
+        let looked_at = |index: &usize| vary.spacing == Spacing::List || *index < MOST_OF_A_RANGE || *index == last;
+        for index in (1..=last).filter(looked_at) {
             let mut indices = vec![0; ensemble.varies.len()];
             indices[place] = index;
             runs.push(ensemble.run(&indices));

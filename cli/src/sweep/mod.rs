@@ -5,9 +5,9 @@
 //! were shared out.
 //!
 //! The way of the data: [`vary`] (the values of a path) and [`measure`] (what is told of a run) make an [`ensemble`], which
-//! numbers the runs -> [`plan`] (with the scene) makes the scene of each -> [`check`] looks at all before anything runs ->
+//! numbers the runs -> [`plan`] (with the scene) makes the scene of each -> [`mod@check`] looks at all before anything runs ->
 //! [`work`] runs them, some at a time -> [`record`]s lie in a [`folder`], whose [`manifest`] says whose they are -> [`table`]
-//! and [`diagram`] (with [`scale`], [`panel`]) show them.
+//! and [`mod@diagram`] (with `scale`, `panel`) show them.
 
 pub mod check;
 pub mod diagram;

@@ -71,7 +71,7 @@ fn a_sweep_of_64_runs_in_4_shards_gives_the_same_table_as_in_one() {
     // In whatever order, and on whatever number of threads.
     for (shard, missing) in [("3/4", "1-2, 4-6, 8-10"), ("1/4", "2, 4, 6, 8"), ("4/4", "2, 6, 10")] {
         let told = swept(MANY, &[&scene, "--out", &parts, "--shard", shard, "--jobs", "2"]);
-        assert!(told.contains(&format!("missing: {missing}")) && told.contains("--shard 2/4"), "{told}");
+        assert!(told.contains(&format!("not there, or not yet: {missing}")) && told.contains("--shard 2/4"), "{told}");
         assert!(!folder.0.join("parts/table.csv").exists());
     }
     swept(MANY, &[&scene, "--out", &parts, "--shard", "2/4", "--threads", "2"]);
@@ -123,7 +123,7 @@ fn what_is_done_is_not_run_again_and_what_is_lost_or_broken_is() {
     folder.write("out/.runs-000003.json.1.1.part", "{");
     let lacking = sweep("--collect", &["--out", &out]);
     assert!(lacking.status == 3 && lacking.stderr.contains("5 of 8 runs are in"), "{}", lacking.stderr);
-    assert!(lacking.stderr.contains("missing: 3, 5, 7\n"), "{}", lacking.stderr);
+    assert!(lacking.stderr.contains("not there, or not yet: 3, 5, 7\n"), "{}", lacking.stderr);
     swept(words, &[&scene, "--out", &out, "--json"]);
     assert_eq!(folder.read("out/table.csv"), table);
     assert_eq!(folder.read(&file(1)), marked);
@@ -245,6 +245,9 @@ fn wrong_words_are_told_all_at_once_and_nothing_is_written() {
         "--vary engine.step=1:2:1000 --vary engine.end=1:2:1000",
         &["1000 x 1000 runs are too many: at most 100000 share a folder"],
     );
+    let endless = ["step", "end", "frame", "threads"].map(|key| format!("--vary engine.{key}=1:2:100000 ")).concat();
+    wrong(&endless, &["100000 x 100000 x 100000 x 100000 runs are too many", "1 mistake;"]);
+    wrong("--vary engine.step=1:-1:100000", &["engine.step=-1\n", "1 mistake;"]);
     wrong("--vary engine.step=[1,2] --vary engine.step=[3,4]", &["the path is varied twice"]);
     wrong("--vary engine.step=[1,2] --step 3", &["--step", "`engine.step` is varied: it cannot also be set"]);
     wrong(
