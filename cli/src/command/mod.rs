@@ -7,6 +7,7 @@ mod arguments;
 mod laws;
 mod run;
 mod study;
+mod sweep;
 
 pub use arguments::{Arguments, Command};
 
@@ -15,7 +16,9 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
+use indicatif::{ProgressBar, ProgressStyle};
 use signal_hook::consts::SIGINT;
 use signal_hook::flag;
 use vesper::prelude::DoubleDouble;
@@ -56,6 +59,7 @@ pub fn execute(arguments: &Arguments) -> Exit {
     let result = match &arguments.command {
         Command::Run(run) => run::run(run),
         Command::Study(study) => study::study(study),
+        Command::Sweep(sweep) => sweep::sweep(sweep),
         Command::Explain(explain) => self::explain(explain),
         Command::Laws { name, folders } => laws::laws(name.as_deref(), &Modules::new(folders, false)),
     };
@@ -66,7 +70,7 @@ pub fn execute(arguments: &Arguments) -> Exit {
 }
 
 fn explain(arguments: &Explain) -> Result<Exit, Vec<SceneFault>> {
-    let scene = read(&arguments.scene, &arguments.scene.overrides())?;
+    let scene = read(&arguments.scene, &arguments.scene.settings.overrides())?;
     let text = match precision(&scene) {
         Precision::F32 => explained::<f32>(&scene, arguments.dot),
         Precision::F64 => explained::<f64>(&scene, arguments.dot),
@@ -81,7 +85,7 @@ fn explained<P: vesper::prelude::Precision>(scene: &Scene, dot: bool) -> Result<
 }
 
 fn read(arguments: &SceneArguments, overrides: &[Override]) -> Result<Scene, Vec<SceneFault>> {
-    scene(&arguments.scene, overrides, arguments.modules.modules())
+    scene(&arguments.scene, overrides, arguments.settings.modules.modules())
 }
 
 /// Reads a scene whose laws may be in modules.
@@ -131,4 +135,14 @@ fn stop_on_interrupt() -> Arc<AtomicBool> {
 /// Writes to standard error.
 fn complain(text: &str) {
     _ = std::io::stderr().write_all(text.as_bytes());
+}
+
+/// A progress bar over so many pieces, where standard error is a terminal.
+fn bar(quiet: bool, steps: u64) -> ProgressBar {
+    let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(steps) };
+    if let Ok(style) = ProgressStyle::with_template("[{bar:40}] {percent:>3} %, {eta} left, {msg}") {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
 }

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use vesper::prelude::*;
 
 use super::arguments::Study;
-use super::{Exit, complain, say, stop_on_interrupt};
+use super::{Exit, bar, complain, say, stop_on_interrupt};
 use crate::assemble::integrators::{self, NamedIntegrator};
 use crate::fault::SceneFault;
 use crate::modules::Modules;
@@ -151,15 +151,6 @@ fn laws(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
         (false, true) => Exit::Done,
         (false, false) => say(&shares(&found, error)),
     })
-}
-
-fn bar(quiet: bool, steps: u64) -> ProgressBar {
-    let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(steps) };
-    if let Ok(style) = ProgressStyle::with_template("[{bar:40}] {percent:>3} %, {eta} left, {msg}") {
-        bar.set_style(style.progress_chars("=> "));
-    }
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
 }
 
 /// What a study has found so far, in a folder where one is asked for.

@@ -24,6 +24,7 @@ use std::path::{Path, PathBuf};
 
 pub use data::*;
 pub(crate) use domains::plural;
+pub(crate) use overrides::is_word;
 pub use overrides::{OptionKind, Override};
 
 pub use crate::fault::{SceneFault, Sources, Span, Spanned, help_for, nearest, print_faults};

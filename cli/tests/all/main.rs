@@ -10,3 +10,4 @@ mod scene;
 mod scene_mistakes;
 mod stable;
 mod study;
+mod sweep;
