@@ -8,7 +8,9 @@
  *     cc -O2 -shared -fPIC -I include -o laws/liblift.so lift.c
  *
  * Numbers are in the units that the law declares. A law may be called by several threads at once, for different rows, unless it has a
- * memory (`state_size`). It must not keep a pointer of a call after it returned. Modules are never unloaded.
+ * memory (`state_size`); what is global in a module is shared by all its laws in all engines, memory or not. A step has many calls, of
+ * some rows each, and more than one of the same rows: a memory must not count them. A law must not keep a pointer of a call after it
+ * returned. Modules are never unloaded.
  *
  * What breaks this interface gets another symbol; what is added stands at the end of a structure, which `struct_size` tells.
  */
@@ -93,7 +95,7 @@ typedef struct vesper_port {
     const char *role_of;
     const char *role_by;
     double default_value[3];
-    uint64_t from; /* of a rate: bit k for port k, which it depends on; 0: on all */
+    uint64_t from; /* of a rate: bit k for port k, which it depends on; 0: on all. In a call for this rate alone the others are zeros */
 } vesper_port;
 
 /* A number of the law's own, or three. */
@@ -149,7 +151,8 @@ typedef struct vesper_law {
     /* Makes a law from the components of its parameters, in their order; *self is what the others get. */
     int32_t (*create)(const vesper_host *host, const double *parameters, size_t count, void **self);
     int32_t (*apply)(void *self, const vesper_call *call);
-    /* The energy of the call's rows, in J; NULL where the law does not know it. Outputs are NULL or not to be written. */
+    /* The energy of the call's rows, in J, of pairs j > i, each once; NULL where the law does not know it. Outputs are NULL or not to be
+     * written. */
     int32_t (*energy)(void *self, const vesper_call *call, double *energy);
     void (*destroy)(void *self); /* may be NULL */
     /* The memory that decides what the law does next, for checkpoints; 0 and NULL where it has none. */

@@ -47,13 +47,12 @@ pub(super) fn find(notes: &Notes<'_>, request: &LawRequest) -> Result<Found, Not
     let Some(module) = &request.module else {
         return stock_law(name).map(Found::Stock).ok_or_else(|| {
             let known = stock_laws().iter().map(|law| law.signature.name);
-            let has = |module: &vesper::module::Module| module.signatures().any(|law| law.name == name);
-            let modules = notes.modules.all();
-            let elsewhere = modules.iter().find(|(_, module)| module.as_ref().is_ok_and(|module| has(module)));
-            let help = match (elsewhere, nearest(name, known)) {
-                (Some((module, _)), _) => format!("module {module} has it: write `module = \"{module}\"` too"),
-                (None, Some(near)) => format!("did you mean `{near}`?"),
-                (None, None) => "`vesper laws` lists them".to_owned(),
+            let help = match nearest(name, known) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None if notes.modules.any() => {
+                    "`vesper laws --laws DIR` lists them; one of a module has `module = \"..\"` too".to_owned()
+                }
+                None => "`vesper laws` lists them".to_owned(),
             };
             (request.name.span, format!("no law is named `{name}`"), Some(help))
         });

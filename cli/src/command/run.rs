@@ -84,7 +84,7 @@ fn go<P: CatalogPrecision>(
     }
     let said = tell(arguments, scene, &outcome, every, &files);
     Ok(match said {
-        _ if !outcome.faults.is_empty() => Exit::Failed,
+        _ if !outcome.faults.is_empty() || outcome.has_failed_laws() => Exit::Failed,
         Exit::Done if outcome.interrupted => Exit::Interrupted,
         said => said,
     })
@@ -104,7 +104,7 @@ fn tell(arguments: &Run, scene: &Scene, outcome: &Outcome, every: u64, files: &[
     let said = say(&text);
     for law in outcome.laws.iter().filter(|law| law.status == "failed") {
         let why = law.reason.as_deref().unwrap_or_default();
-        complain(&format!("warning: law {} failed, and the run went on without it: {why}\n", law.name));
+        complain(&format!("error: law {} failed, and the run went on without it: {why}\n", law.name));
     }
     for fault in &outcome.faults {
         complain(&format!("{fault}\n"));

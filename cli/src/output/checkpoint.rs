@@ -35,7 +35,7 @@ pub fn to_json(checkpoint: &Checkpoint) -> Value {
     };
     let law = |law: &LawData| {
         let memory: String = law.memory.iter().map(|byte| format!("{byte:02x}")).collect();
-        json!({ "label": law.label, "declaration": law.declaration, "memory": memory })
+        json!({ "label": law.label, "declaration": law.declaration, "memory": memory, "failed": law.failed })
     };
     let (time, since, step) = checkpoint.clock;
     json!({
@@ -88,12 +88,14 @@ pub fn from_text(text: &str) -> Result<Checkpoint, String> {
 
 fn law(reader: &Reader<'_>) -> Result<LawData, String> {
     let memory = reader.field("memory")?;
+    let failed = reader.field("failed")?;
     let digits = memory.text()?;
     let byte = |at: usize| digits.get(at..at + 2).and_then(|two| u8::from_str_radix(two, 16).ok());
     let bytes: Option<Vec<u8>> = (0..digits.len()).step_by(2).map(byte).collect();
     Ok(LawData {
         label: reader.field("label")?.text()?,
         declaration: reader.field("declaration")?.text()?,
+        failed: if failed.value.is_null() { None } else { Some(failed.text()?) },
         memory: bytes.map_or_else(|| memory.wrong("two hexadecimal digits for each byte"), Ok)?,
     })
 }
@@ -147,6 +149,7 @@ mod tests {
                 label: "a".to_owned(),
                 declaration: "law a\nreads b".to_owned(),
                 memory: vec![0, 9, 255],
+                failed: None,
             }],
             registers: vec![vec![1.5, 2.0 / 3.0], vec![]],
             held: vec![vec![vec![]]],

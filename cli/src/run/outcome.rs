@@ -83,6 +83,13 @@ pub struct Outcome {
     pub faults: Vec<SceneFault>,
 }
 
+impl Outcome {
+    /// Whether a law failed on the way, and the run went on without it.
+    pub fn has_failed_laws(&self) -> bool {
+        self.laws.iter().any(|law| law.status == "failed")
+    }
+}
+
 /// What became of each law of `engine`, which took so many `seconds`.
 pub(super) fn law_outcomes<P: Precision>(engine: &Engine<P>, seconds: &[f64]) -> Vec<LawOutcome> {
     let backends = engine.backends();

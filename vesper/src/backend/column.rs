@@ -6,6 +6,10 @@ use crate::real::Scalar;
 
 /// A column law.
 pub(crate) trait ColumnKernel<P: Scalar>: Send + Sync {
+    /// What the numbers of the body are uncertain by.
+    fn rounding(&self) -> f64 {
+        P::EPSILON
+    }
     /// # Safety
     /// `access` was made for this law's signature.
     unsafe fn run(&self, access: &ColumnAccess<'_, P>);

@@ -55,7 +55,7 @@ impl<P: Scalar> RowKernel<P> for Closure {
 
     unsafe fn tangent(&self, call: &TangentCall<'_, P>) {
         // SAFETY: the caller promises the same.
-        unsafe { by_differences(&self.law.signature, call, &*self.law.body) }
+        unsafe { by_differences(&self.law.signature, call, f64::EPSILON, &*self.law.body) }
     }
 
     unsafe fn energy(&self, _call: &RowCall<'_, P>) -> Option<f64> {
@@ -64,7 +64,7 @@ impl<P: Scalar> RowKernel<P> for Closure {
 }
 
 /// The loop of derivatives of a body that is not generic in its numbers: central differences, by one number after the other. Each
-/// is moved by the cube root of the rounding of f64 times its own magnitude, where the errors of the difference and of rounding
+/// is moved by the cube root of the body's rounding times its own magnitude, where the errors of the difference and of rounding
 /// are alike (Dennis, Schnabel, Numerical Methods for Unconstrained Optimization and Nonlinear Equations, 5.4); where it is 0, by
 /// that of its property in this row, or else of 1.
 ///
@@ -73,6 +73,7 @@ impl<P: Scalar> RowKernel<P> for Closure {
 pub(crate) unsafe fn by_differences<P: Scalar>(
     signature: &Signature,
     call: &TangentCall<'_, P>,
+    rounding: f64,
     body: impl Fn(&[f64], &mut [f64]),
 ) {
     let slots = signature.slots();
@@ -100,7 +101,7 @@ pub(crate) unsafe fn by_differences<P: Scalar>(
             for slot in (port[0]..port[1]).filter(|&slot| along[slot] != 0.0) {
                 let own = given[slot];
                 let size = [own.abs(), of_port].into_iter().find(|size| *size > 0.0).unwrap_or(1.0);
-                let by = f64::EPSILON.cbrt() * size;
+                let by = rounding.max(f64::EPSILON).cbrt() * size;
                 let ([low, high], mut results) = ([own - by, own + by], [[0.0; MAX_SLOTS]; 2]);
                 for (at, results) in [low, high].into_iter().zip(&mut results) {
                     given[slot] = at;

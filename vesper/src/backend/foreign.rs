@@ -4,6 +4,10 @@
 pub(crate) trait Foreign: Send + Sync {
     /// Why the law no longer runs.
     fn failure(&self) -> Option<String>;
+    /// It failed before, in the run that goes on here.
+    fn give_up(&self, reason: &str);
+    /// Whether this could be its memory.
+    fn fits(&self, memory: &[u8]) -> Result<(), String>;
     /// What it remembers from call to call.
     fn save(&self) -> Result<Vec<u8>, String>;
     /// Makes it remember this.

@@ -63,7 +63,7 @@ impl Links<'_> {
 }
 
 /// A link law with its loop.
-pub(crate) trait LinkKernel<P>: Send + Sync {
+pub(crate) trait LinkKernel<P: Scalar>: Send + Sync {
     /// Rows of one link.
     fn arity(&self) -> usize;
     /// Whether calls may be of some links, and of some rows, so that threads share the work.
@@ -74,6 +74,10 @@ pub(crate) trait LinkKernel<P>: Send + Sync {
     /// Every slot is null where its port is absent, or reaches all rows; ends are rows of the target domain; nobody
     /// else touches the numbers that are added to, in `rows`.
     unsafe fn run(&self, isa: Isa, call: &LinkCall<'_, P>);
+    /// What the numbers of the body are uncertain by.
+    fn rounding(&self) -> f64 {
+        P::EPSILON
+    }
     /// Whether there is a body over dual numbers.
     fn differentiates(&self) -> bool {
         true

@@ -135,6 +135,16 @@ pub(crate) enum Kernel<P: Scalar> {
 }
 
 impl<P: Scalar> Kernel<P> {
+    /// What the numbers of its body are uncertain by.
+    pub(crate) fn rounding(&self) -> f64 {
+        match self {
+            Kernel::Row(_) => P::EPSILON,
+            Kernel::Pair(kernel) => kernel.rounding(),
+            Kernel::Link(kernel) => kernel.rounding(),
+            Kernel::Column(kernel) => kernel.rounding(),
+        }
+    }
+
     /// Whether it has a body over dual numbers; differences stand for it where not.
     pub(crate) fn differentiates(&self) -> bool {
         match self {

@@ -101,6 +101,14 @@ pub(crate) trait PairKernel<P: Scalar>: Send + Sync {
     /// # Safety
     /// As for `run`.
     unsafe fn is_antisymmetric(&self, call: &PairCall<'_, P>) -> bool;
+    /// Whether calls may be of some rows, so that threads share the work.
+    fn splits(&self) -> bool {
+        true
+    }
+    /// What the numbers of the body are uncertain by.
+    fn rounding(&self) -> f64 {
+        P::EPSILON
+    }
     /// Whether there is a body over dual numbers.
     fn differentiates(&self) -> bool {
         true

@@ -42,6 +42,10 @@ pub(crate) const AHEAD: usize = 2;
 
 /// A row law with its loop.
 pub(crate) trait RowKernel<P>: Send + Sync {
+    /// Whether calls may be of some rows, so that threads share the work.
+    fn splits(&self) -> bool {
+        true
+    }
     /// # Safety
     /// Every slot is null where its port is absent, or points to `rows` numbers (one for a constant) that are valid, with
     /// room behind them ([`crate::column::whole`]), and that nobody else touches where the port writes, nor that room: of the

@@ -64,6 +64,8 @@ pub struct LawData {
     pub declaration: String,
     /// What it remembers from step to step; nothing, but for laws of modules that say so.
     pub memory: Vec<u8>,
+    /// Why it runs no more, where it failed.
+    pub failed: Option<String>,
 }
 
 /// One column of a checkpoint.
@@ -124,7 +126,8 @@ impl<P: Scalar> Engine<P> {
     /// may differ.
     ///
     /// # Errors
-    /// It does not fit; the engine is unchanged then.
+    /// It does not fit; the engine is unchanged then. Or a law of a module refuses its memory: all else goes on from the checkpoint
+    /// then.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), Faults> {
         compiled_here!(<P> |engine: &mut Engine<P>, from: &Checkpoint| -> Result<(), Faults> { engine.go_on(from) })(
             self, checkpoint,
@@ -173,7 +176,6 @@ impl<P: Scalar> Engine<P> {
                 }
             }
         }
-        self.remember(checkpoint).map_err(misfit)?;
         self.clock = Clock { time: since_time, since, step };
         self.steps = checkpoint.steps;
         self.remainder = checkpoint.remainder;
@@ -198,7 +200,12 @@ impl<P: Scalar> Engine<P> {
             self.integrator.set_memory(&checkpoint.memory);
         }
         self.lent_memory_changed();
-        self.observe()
+        self.observe()?;
+        // Behind what was looked at, which calls laws.
+        let done = self.remember(checkpoint).map_err(misfit);
+        // Those that failed before are told by the report.
+        _ = self.with_failures(Ok(()));
+        done
     }
 
     /// Whether laws of the same labels declare the same; else the difference.
@@ -209,6 +216,9 @@ impl<P: Scalar> Engine<P> {
                 let difference = difference(&data.declaration, &now);
                 return Err(format!("law {} has changed (- then, + now):\n{difference}", data.label));
             }
+            if let (Some(foreign), None) = (&listed.compiled.foreign, &data.failed) {
+                foreign.fits(&data.memory).map_err(|reason| format!("law {}: {reason}", data.label))?;
+            }
         }
         Ok(())
     }
@@ -216,7 +226,9 @@ impl<P: Scalar> Engine<P> {
     /// Laws remember what they did.
     fn remember(&self, checkpoint: &Checkpoint) -> Result<(), String> {
         for (listed, data) in self.with_data(checkpoint) {
-            if let Some(foreign) = &listed.compiled.foreign {
+            if let (Some(foreign), Some(reason)) = (&listed.compiled.foreign, &data.failed) {
+                foreign.give_up(reason);
+            } else if let Some(foreign) = &listed.compiled.foreign {
                 foreign.load(&data.memory).map_err(|reason| format!("law {}: {reason}", data.label))?;
             }
         }
@@ -248,7 +260,8 @@ fn law_data<P: Scalar>(listed: &Listed<P>) -> Result<LawData, Fault> {
     let memory = listed.compiled.foreign.as_ref().map_or(Ok(Vec::new()), |foreign| foreign.save());
     let label = listed.entry.label().to_owned();
     let memory = memory.map_err(|reason| Fault::Checkpoint { reason: format!("law {label}: {reason}") })?;
-    Ok(LawData { label, declaration: listed.compiled.signature.declaration(), memory })
+    let (declaration, failed) = (listed.compiled.signature.declaration(), listed.entry.failed.clone());
+    Ok(LawData { label, declaration, memory, failed })
 }
 
 /// The lines that only one of two declarations has, those of the first with a minus.

@@ -17,8 +17,13 @@ impl<P: Scalar> Engine<P> {
     /// Laws no longer fit the state, or the client borrows lent memory.
     pub fn energy(&mut self) -> Result<(f64, Vec<String>), Faults> {
         compiled_here!(<P> |engine: &mut Engine<P>| -> Result<(f64, Vec<String>), Faults> {
-            engine.sum_of_energies()
+            engine.sum_or_failures()
         })(self)
+    }
+
+    fn sum_or_failures(&mut self) -> Result<(f64, Vec<String>), Faults> {
+        let done = self.sum_of_energies();
+        self.with_failures(done)
     }
 
     fn sum_of_energies(&mut self) -> Result<(f64, Vec<String>), Faults> {

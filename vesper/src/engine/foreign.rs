@@ -21,9 +21,14 @@ pub(super) fn failed<P: Scalar>(listed: &Listed<P>) -> Option<Fault> {
     Some(Fault::LawFailed { law: listed.entry.label().to_owned(), reason })
 }
 
+/// Whether nothing is wrong but laws that failed.
+pub(super) fn only_failures(faults: &Faults) -> bool {
+    faults.iter().all(|fault| matches!(fault, Fault::LawFailed { .. }))
+}
+
 impl<P: Scalar> Engine<P> {
     /// Switches off what failed, and says so behind what else went wrong.
-    pub(super) fn with_failures(&mut self, done: Result<(), Faults>) -> Result<(), Faults> {
+    pub(super) fn with_failures<T>(&mut self, done: Result<T, Faults>) -> Result<T, Faults> {
         let mut faults = Vec::new();
         let reports = self.pipeline.registry.report.laws.iter_mut();
         for (listed, report) in self.laws.iter_mut().zip(reports).filter(|(listed, _)| listed.entry.failed.is_none()) {
@@ -40,7 +45,7 @@ impl<P: Scalar> Engine<P> {
         self.stale = true;
         self.quiet = f64::NAN;
         match done {
-            Ok(()) => Faults::unless_empty(faults, ()),
+            Ok(value) => Faults::unless_empty(faults, value),
             Err(more) => Err(more.after(faults)),
         }
     }

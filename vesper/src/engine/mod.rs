@@ -141,8 +141,12 @@ impl<P: Scalar> Engine<P> {
             None if frame == 0.0 => return self.refresh().map(|_| ()),
             None => (1, frame, 0.0),
         };
-        self.run(count, step)?;
-        self.remainder = remainder;
+        let done = self.run(count, step);
+        // A law that failed takes no step back.
+        if done.as_ref().err().is_none_or(foreign::only_failures) {
+            self.remainder = remainder;
+        }
+        done?;
         self.quiet = if self.pipeline.is_idle() && remainder == 0.0 { step } else { f64::NAN };
         Ok(())
     }
@@ -404,9 +408,14 @@ impl<P: Scalar> Engine<P> {
     /// Laws no longer fit the state, or the client borrows lent memory.
     pub fn refresh(&mut self) -> Result<&Report, Faults> {
         compiled_here!(<P> |engine: &mut Engine<P>| -> Result<(), Faults> {
-            engine.prepare().and_then(|()| engine.observe())
+            engine.refreshed()
         })(self)?;
         Ok(self.report())
+    }
+
+    fn refreshed(&mut self) -> Result<(), Faults> {
+        let done = self.prepare().and_then(|()| self.observe());
+        self.with_failures(done)
     }
 
     /// Switches a law on or off, by its label, or else its name. The kernels and all data stay.

@@ -142,9 +142,15 @@ impl Signature {
         self.ports.iter().enumerate().filter(|(_, port)| !port.mode.is_input())
     }
 
-    /// What the law touches, and its parameters, a line each: two laws that say the same here can stand for each other in any scene.
+    /// What the law touches, and its parameters, a line each: everything that is known of it but its body and its words.
     pub fn declaration(&self) -> String {
-        let mut text = format!("law {}\n", self.name);
+        let number = |value: &[f64; 3], width: usize| -> String {
+            let numbers: Vec<String> = value[..width.min(3)].iter().map(|number| format!("{number:?}")).collect();
+            format!(", default {}", numbers.join(" "))
+        };
+        let domain = self.domain.map_or(String::new(), |domain| format!(" on {domain}"));
+        let second_order = if self.second_order { ", second order" } else { "" };
+        let mut text = format!("law {}{domain}{second_order}\n", self.name);
         if let Some(link) = self.link {
             text += &format!("follows {}: {}\n", link.name, link.kind);
         }
@@ -156,13 +162,23 @@ impl Signature {
                 Place::End => " of the rows linked to",
             };
             let optional = if port.optional { ", optional" } else { "" };
+            let default = port.default.map_or(String::new(), |value| number(&value, port.property.kind.width()));
+            let from: Vec<&str> = match port.from {
+                u64::MAX => Vec::new(),
+                bits => {
+                    self.inputs().filter(|(bit, _)| bits >> bit & 1 == 1).map(|(_, port)| port.property.name).collect()
+                }
+            };
+            let from = if from.is_empty() { String::new() } else { format!(" from {}", from.join(", ")) };
             let (mode, property, role) = (port.mode.word(), &port.property, port.property.role.word());
-            text += &format!("{mode} {}: {}, {role}{place}{optional}\n", property.name, property.measured());
+            text +=
+                &format!("{mode} {}: {}, {role}{place}{optional}{default}{from}\n", property.name, property.measured());
         }
         for parameter in self.parameters {
             let unit = if parameter.unit.is_empty() { String::new() } else { format!(" [{}]", parameter.unit) };
             let kind = if parameter.width == 1 { "number" } else { "vector" };
-            text += &format!("parameter {}: {kind}{unit}\n", parameter.name);
+            let default = parameter.default.map_or(String::new(), |value| number(&value, parameter.width));
+            text += &format!("parameter {}: {kind}{unit}{default}\n", parameter.name);
         }
         text
     }

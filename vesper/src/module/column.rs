@@ -2,9 +2,9 @@
 
 use super::abi;
 use super::instance::Instance;
-use super::numbers::{Numbers, native, no_call, numbers, precision};
+use super::numbers::{Numbers, native, no_call, numbers, precision, rounding};
 use crate::backend::ColumnKernel;
-use crate::law::{ColumnAccess, MAX_SLOTS};
+use crate::law::{ColumnAccess, MAX_SLOTS, Mode};
 use crate::real::{Isa, Scalar};
 use core::ffi::c_void;
 use std::sync::Arc;
@@ -40,19 +40,44 @@ impl Columns {
             (0..rows).map(|row| Q::from_f64(unsafe { *start.add(row * stride) }.to_f64())).collect()
         };
         let mut copies: Vec<Vec<Q>> = components[..count].iter().map(copy).collect();
+        for (copy, _) in copies.iter_mut().zip(&self.0.slots).filter(|(_, slot)| slot.port.mode == Mode::Adds) {
+            copy.fill(Q::default());
+        }
+        let given = copies.clone();
         let numbered = |copy: &mut Vec<Q>| {
             (if copy.is_empty() { core::ptr::null_mut() } else { copy.as_mut_ptr() }, 1, copy.len())
         };
         let own: Vec<Numbered<Q>> = copies.iter_mut().map(numbered).collect();
         // SAFETY: passed on to the caller.
         if !unsafe { self.call(&own, access) } {
-            return;
+            // SAFETY: as above.
+            return unsafe { self.no_rates(&components) };
         }
-        let all = components[..count].iter().zip(&copies).zip(&self.0.slots);
-        for (((start, stride, _), copy), _) in all.filter(|(_, slot)| !slot.port.mode.is_input()) {
-            for (row, number) in copy.iter().enumerate() {
+        for (slot, (start, stride, _)) in components[..count].iter().enumerate() {
+            let mode = self.0.slots[slot].port.mode;
+            for (row, (number, given)) in copies[slot].iter().zip(&given[slot]).enumerate() {
                 // SAFETY: as above, and nobody else touches what the law writes.
-                unsafe { *start.add(row * stride) = P::from_f64(number.to_f64()) };
+                let to = unsafe { &mut *start.add(row * stride) };
+                match mode {
+                    Mode::Reads | Mode::Previous => break,
+                    Mode::Adds => *to += P::from_f64(number.to_f64()),
+                    // What the law left as it was keeps its digits.
+                    _ if number.bits() == given.bits() && mode != Mode::Rates => {}
+                    _ => *to = P::from_f64(number.to_f64()),
+                }
+            }
+        }
+    }
+
+    /// A law of motion that failed moves nothing.
+    ///
+    /// # Safety
+    /// As for [`ColumnKernel::run`].
+    unsafe fn no_rates<P: Scalar>(&self, components: &[Numbered<P>]) {
+        for ((start, stride, rows), slot) in components.iter().zip(&self.0.slots) {
+            for row in (0..*rows).filter(|_| slot.port.mode == Mode::Rates && !start.is_null()) {
+                // SAFETY: the views reach all rows, and nobody else touches what the law writes.
+                unsafe { *start.add(row * stride) = P::default() };
             }
         }
     }
@@ -86,11 +111,20 @@ impl Columns {
 }
 
 impl<P: Scalar> ColumnKernel<P> for Columns {
+    fn rounding(&self) -> f64 {
+        rounding::<P>(&self.0)
+    }
+
     unsafe fn run(&self, access: &ColumnAccess<'_, P>) {
         // SAFETY: the caller promises the same.
         unsafe {
             match numbers::<P>(&self.0) {
-                Numbers::Own => _ = self.call(&self.components(access), access),
+                Numbers::Own => {
+                    let components = self.components(access);
+                    if !self.call(&components, access) {
+                        self.no_rates(&components);
+                    }
+                }
                 Numbers::Double => self.converted::<P, f64>(access),
                 Numbers::Single => self.converted::<P, f32>(access),
             }

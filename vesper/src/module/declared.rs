@@ -8,6 +8,7 @@ use crate::dimension::{Dimension, Unit};
 use crate::law::{MAX_SLOTS, Mode, Parameter, Place, Port, Shape, Signature};
 use crate::property::{Kind, PropertyInfo, Role, STANDARD_PROPERTIES, intern};
 use core::ffi::{CStr, c_char};
+use core::mem::offset_of;
 
 /// A law of a module, read once.
 #[derive(Debug)]
@@ -24,8 +25,23 @@ unsafe impl Send for Declared {}
 // SAFETY: as above.
 unsafe impl Sync for Declared {}
 
-/// The least of a [`abi::Law`] that a host of this version can use: up to where its fields end.
-const LAW_SIZE: usize = size_of::<abi::Law>();
+/// Bytes of the structures of version 1, whatever has been added to them since: less is cut off.
+const LAW_SIZE: usize = offset_of!(abi::Law, load) + size_of::<usize>();
+const PORT_SIZE: usize = offset_of!(abi::Port, from) + size_of::<u64>();
+const PARAMETER_SIZE: usize = offset_of!(abi::Parameter, default_value) + size_of::<[f64; 3]>();
+
+/// A structure of so many bytes: what it has less than this host's is zero, what it has more is left.
+///
+/// # Safety
+/// There are so many bytes; zeros are a value of the structure.
+pub(super) unsafe fn copied<T>(from: *const T, size: usize) -> T {
+    let mut to = core::mem::MaybeUninit::<T>::zeroed();
+    // SAFETY: passed on to the caller.
+    unsafe {
+        from.cast::<u8>().copy_to_nonoverlapping(to.as_mut_ptr().cast(), size.min(size_of::<T>()));
+        to.assume_init()
+    }
+}
 
 /// Reads the table of one law.
 ///
@@ -43,8 +59,8 @@ pub(super) unsafe fn declared(law: *const abi::Law) -> Result<Declared, Vec<Stri
         );
         return Err(vec![text]);
     }
-    // SAFETY: the table has all fields, and stays: modules are not unloaded.
-    let table: &'static abi::Law = unsafe { &*law };
+    // SAFETY: the table has these bytes, and zeros are no pointers and no functions.
+    let table: &'static abi::Law = Box::leak(Box::new(unsafe { copied(law, size) }));
     let mut reader = Reader { wrong: Vec::new() };
     // SAFETY: the texts and lists of a table are as it says.
     let signature = unsafe { reader.signature(table) };
@@ -137,11 +153,10 @@ impl Reader {
         if table.state_size > 0 && (table.save.is_none() || table.load.is_none()) {
             self.fault(format!("{law} has a memory of {} bytes, but not both of `save` and `load`", table.state_size));
         }
-        for (size, needed, what) in [
-            (table.port_size, size_of::<abi::Port>(), "port"),
-            (table.parameter_size, size_of::<abi::Parameter>(), "parameter"),
-        ] {
-            if (size as usize) < needed {
+        for (size, needed, what) in
+            [(table.port_size, PORT_SIZE, "port"), (table.parameter_size, PARAMETER_SIZE, "parameter")]
+        {
+            if (size as usize) < needed || size as usize % align_of::<u64>() != 0 {
                 let text = format!(
                     "{law}: a {what} has {size} bytes, and {needed} are needed: set `{what}_size` to its sizeof"
                 );
@@ -184,10 +199,11 @@ impl Reader {
     unsafe fn ports(&mut self, table: &abi::Law, law: &str) -> Vec<Port> {
         let mut ports: Vec<Port> = Vec::new();
         for number in 0..table.port_count {
-            // SAFETY: the caller promises so many ports of that size.
-            let port = unsafe { &*table.ports.byte_add(number * table.port_size as usize) };
+            let size = table.port_size as usize;
+            // SAFETY: the caller promises so many ports of that size, of which zeros are a value.
+            let port = unsafe { &copied(table.ports.byte_add(number * size), size) };
             // SAFETY: as above.
-            if let Some(port) = unsafe { self.port(port, number, law) } {
+            if let Some(port) = unsafe { self.port(port, (number, table.shape), law) } {
                 if port.mode.is_input() && ports.last().is_some_and(|last| !last.mode.is_input()) {
                     let property = port.property.name;
                     self.fault(format!(
@@ -212,7 +228,7 @@ impl Reader {
 
     /// # Safety
     /// As for [`declared`].
-    unsafe fn port(&mut self, port: &abi::Port, number: usize, law: &str) -> Option<Port> {
+    unsafe fn port(&mut self, port: &abi::Port, (number, shape): (usize, u32), law: &str) -> Option<Port> {
         // SAFETY: the caller promises the texts.
         let (name, field, unit, role_of, role_by) = unsafe {
             let name = self.name(port.property, &format!("the property of port {number} of {law}"));
@@ -260,12 +276,17 @@ impl Reader {
         };
         let (kind, mode, place) = (kind?, mode?, place?);
         let property = self.property(port, (name, kind, unit), mode, [role_of, role_by], law)?;
-        if port.place != 0 && port.place != 3 && !mode.is_input() {
+        if matches!(place, Place::Scene | Place::Field) && !mode.is_input() {
+            let what = if place == Place::Scene { "constant of the scene" } else { "field" };
+            self.fault(format!("{law} {} {name}, which is a {what}: it may be read", mode.does()));
+        }
+        if place == Place::End && shape != 3 {
             self.fault(format!(
-                "{law} {} {name}, which is a {}: it may be read",
-                mode.does(),
-                ["", "constant of the scene", "field"][port.place as usize]
+                "{law}: {name} is of rows linked to, and only a law of links has those: set `shape` to 3"
             ));
+        }
+        if port.has_default != 0 && place != Place::Scene {
+            self.fault(format!("{law}: {name} has a default, which only a constant of the scene can have (`place` 1)"));
         }
         Some(Port {
             field: field.unwrap_or(name),
@@ -333,7 +354,12 @@ impl Reader {
             2 => Role::Coordinate,
             3 => Role::Momentum(of(self)),
             4 => Role::Sum { start: role_of },
-            5 => Role::Turn { of: of(self), by: role_by.unwrap_or_default() },
+            5 => {
+                if role_by.is_none() {
+                    self.fault(format!("{law}: {name} is a turn by nothing: set `role_by`"));
+                }
+                Role::Turn { of: of(self), by: role_by.unwrap_or_default() }
+            }
             6 => Role::Switch,
             other => {
                 self.fault(format!("{law}: {name} has the role {other}: 0 to 6 are known"));
@@ -350,10 +376,12 @@ impl Reader {
         for number in 0..table.parameter_count {
             // SAFETY: the caller promises so many parameters of that size, and their texts.
             let (parameter, name, doc, unit) = unsafe {
-                let parameter = &*table.parameters.byte_add(number * table.parameter_size as usize);
+                let size = table.parameter_size as usize;
+                let parameter = copied(table.parameters.byte_add(number * size), size);
                 let name = self.name(parameter.name, &format!("parameter {number} of {law}"));
                 let doc = self.text(parameter.doc, "its documentation");
-                (parameter, name, doc, self.text(parameter.unit, "its unit"))
+                let unit = self.text(parameter.unit, "its unit");
+                (parameter, name, doc, unit)
             };
             let unit = unit.unwrap_or_default();
             if let Err(error) = Unit::parse(unit) {

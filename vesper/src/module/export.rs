@@ -41,7 +41,10 @@ use std::sync::Arc;
 /// # fn main() { assert_eq!(unsafe { (*vesper_module_v1()).law_count }, 1); }
 /// ```
 ///
-/// A law with a cut-off cannot be exported, and stops the compiler. Far fields, pairs that are looked at once, graphics processors and
+/// The symbol is there once in a program: one that is compiled with two such crates has it twice, so that crates which are used in both ways
+/// export under a feature of their own. Panics are contained where they unwind, which they do unless a profile says `panic = "abort"`.
+///
+/// A law with a cut-off cannot be exported, and stops the compiler. Far fields, differences of coordinates in compensated states, pairs that are looked at once, graphics processors and
 /// exact derivatives are for laws that a program is compiled with.
 #[macro_export]
 macro_rules! export_laws {
@@ -50,12 +53,13 @@ macro_rules! export_laws {
         #[unsafe(no_mangle)]
         pub extern "C" fn vesper_module_v1() -> *const $crate::module::abi::Module {
             static MODULE: ::std::sync::OnceLock<$crate::module::Table> = ::std::sync::OnceLock::new();
-            MODULE
-                .get_or_init(|| {
+            let made = ::std::panic::catch_unwind(|| {
+                MODULE.get_or_init(|| {
                     let build = concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"));
                     $crate::module::Table::new(build, vec![$($crate::module::exported::<$law>()),+])
                 })
-                .module()
+            });
+            made.map_or(::core::ptr::null(), $crate::module::Table::module)
         }
     };
 }
@@ -197,6 +201,10 @@ fn port(of: &Port) -> abi::Port {
 struct Made {
     single: Compiled<f32>,
     double: Compiled<f64>,
+    /// Numbers that it touches.
+    slots: usize,
+    /// By their numbers.
+    instructions: Vec<Isa>,
     host: Host,
 }
 
@@ -244,11 +252,14 @@ fn contained(host: Host, work: impl FnOnce() -> Result<(), String>) -> i32 {
             host.say(abi::LOG_ERROR, &text);
             -1
         }
-        Err(panic) => {
-            host.say(abi::LOG_ERROR, &format!("it panicked: {}", words(&*panic)));
-            -2
-        }
+        Err(panic) => panicked(host, &*panic),
     }
+}
+
+#[cold]
+fn panicked(host: Host, panic: &(dyn Any + Send)) -> i32 {
+    host.say(abi::LOG_ERROR, &format!("it panicked: {}", words(panic)));
+    -2
 }
 
 fn words(panic: &(dyn Any + Send)) -> &str {
@@ -276,7 +287,9 @@ unsafe extern "C" fn create<L: Law + Compile>(
         // SAFETY: the host gives so many numbers.
         let given = if count == 0 { &[] } else { unsafe { core::slice::from_raw_parts(parameters, count) } };
         let law = L::from_parameters(given);
-        let made = Made { single: law.compile_f32(), double: law.compile_f64(), host: Host(host) };
+        let slots = L::SIGNATURE.ports.iter().map(|port| port.property.kind.width()).sum();
+        let (single, double, instructions) = (law.compile_f32(), law.compile_f64(), Isa::available());
+        let made = Made { single, double, slots, instructions, host: Host(host) };
         // SAFETY: the host has a place for it.
         unsafe { *to = Arc::into_raw(Arc::new(made)).cast_mut().cast() };
         Ok(())
@@ -295,17 +308,23 @@ unsafe extern "C" fn destroy(this: *mut c_void) {
 unsafe extern "C" fn apply(this: *mut c_void, call: *const abi::Call) -> i32 {
     // SAFETY: `create` made it, and the host gives a call.
     let (made, call) = unsafe { (&*this.cast_const().cast::<Made>(), &*call) };
-    contained(made.host, || {
-        // SAFETY: the host promises the slots.
-        unsafe {
-            match call.precision {
-                abi::F32 => run(&made.single, call),
-                abi::F64 => run(&made.double, call),
-                other => return Err(format!("it was called with numbers of precision {other}")),
-            }
+    // SAFETY: the host promises the slots.
+    let went = catch_unwind(AssertUnwindSafe(|| unsafe {
+        match call.precision {
+            abi::F32 => run(&made.single, made, call),
+            abi::F64 => run(&made.double, made, call),
+            _ => return false,
         }
-        Ok(())
-    })
+        true
+    }));
+    match went {
+        Ok(true) => 0,
+        Ok(false) => {
+            let precision = call.precision;
+            contained(made.host, || Err(format!("it was called with numbers of precision {precision}")))
+        }
+        Err(panic) => panicked(made.host, &*panic),
+    }
 }
 
 unsafe extern "C" fn energy(this: *mut c_void, call: *const abi::Call, to: *mut f64) -> i32 {
@@ -315,8 +334,8 @@ unsafe extern "C" fn energy(this: *mut c_void, call: *const abi::Call, to: *mut 
         // SAFETY: as above; there is a place for the energy.
         unsafe {
             *to = match call.precision {
-                abi::F32 => energy_of(&made.single, call),
-                _ => energy_of(&made.double, call),
+                abi::F32 => energy_of(&made.single, made, call),
+                _ => energy_of(&made.double, made, call),
             };
         }
         Ok(())
@@ -332,17 +351,14 @@ struct Taken<'a, P> {
 
 impl<P> Taken<'_, P> {
     /// # Safety
-    /// The call is of a law with this signature.
-    unsafe fn new<'a>(compiled: &Compiled<P>, call: &'a abi::Call) -> Taken<'a, P>
-    where
-        P: Scalar,
-    {
-        let count = compiled.signature.ports.iter().map(|port| port.property.kind.width()).sum();
+    /// The call is of this law.
+    #[inline(always)]
+    unsafe fn new<'a>(made: &Made, call: &'a abi::Call) -> Taken<'a, P> {
         // SAFETY: passed on to the caller; a pointer to anything has the layout of a pointer to numbers.
         unsafe {
             Taken {
-                slots: core::slice::from_raw_parts(call.slots.cast(), count),
-                strides: core::slice::from_raw_parts(call.strides, count),
+                slots: core::slice::from_raw_parts(call.slots.cast(), made.slots),
+                strides: core::slice::from_raw_parts(call.strides, made.slots),
                 native: call.native.as_ref(),
             }
         }
@@ -351,6 +367,7 @@ impl<P> Taken<'_, P> {
 
 /// # Safety
 /// The call is of this law, and the host keeps its promises.
+#[inline(always)]
 unsafe fn row_call<P: Scalar, T>(taken: &Taken<'_, P>, call: &abi::Call, then: impl FnOnce(&RowCall<'_, P>) -> T) -> T {
     let rows = call.end - call.begin;
     let all = |slots| RowCall {
@@ -426,11 +443,13 @@ unsafe fn link_call<P: Scalar, T>(
 
 /// # Safety
 /// As for `row_call`.
-unsafe fn run<P: Scalar>(compiled: &Compiled<P>, call: &abi::Call) {
+unsafe fn run<P: Scalar>(compiled: &Compiled<P>, made: &Made, call: &abi::Call) {
     // SAFETY: passed on to the caller.
     unsafe {
-        let taken = Taken::new(compiled, call);
-        let isa = taken.native.map_or_else(Isa::detect, |native| Isa::of_number(native.isa));
+        let taken = Taken::new(made, call);
+        let known = taken.native.and_then(|native| made.instructions.get(native.isa as usize));
+        // Whoever says nothing of instructions promises no room behind the last row either.
+        let isa = known.copied().unwrap_or(Isa::Scalar);
         match &compiled.kernel {
             Kernel::Row(kernel) => row_call(&taken, call, |call| kernel.run(isa, call)),
             Kernel::Pair(kernel) => kernel.run(isa, &pair_call(&taken, call)),
@@ -458,10 +477,10 @@ unsafe fn run<P: Scalar>(compiled: &Compiled<P>, call: &abi::Call) {
 
 /// # Safety
 /// As for `row_call`.
-unsafe fn energy_of<P: Scalar>(compiled: &Compiled<P>, call: &abi::Call) -> f64 {
+unsafe fn energy_of<P: Scalar>(compiled: &Compiled<P>, made: &Made, call: &abi::Call) -> f64 {
     // SAFETY: passed on to the caller.
     let energy = unsafe {
-        let taken = Taken::new(compiled, call);
+        let taken = Taken::new(made, call);
         match &compiled.kernel {
             Kernel::Row(kernel) => row_call(&taken, call, |call| kernel.energy(call)),
             Kernel::Pair(kernel) => kernel.energy(&pair_call(&taken, call)),

@@ -21,11 +21,21 @@ pub(super) struct Slot {
     pub(super) one: bool,
 }
 
+/// What computes.
+type Apply = unsafe extern "C" fn(*mut c_void, *const abi::Call) -> i32;
+
+/// A table without one is refused.
+unsafe extern "C" fn no_apply(_this: *mut c_void, _call: *const abi::Call) -> i32 {
+    0
+}
+
 /// A law that was made.
 #[derive(Debug)]
 pub(super) struct Instance {
     pub(super) declared: &'static Declared,
     this: *mut c_void,
+    apply: Apply,
+    has_memory: bool,
     pub(super) slots: Vec<Slot>,
     /// By slot, numbers from one row to the next.
     pub(super) strides: Vec<usize>,
@@ -41,8 +51,8 @@ unsafe impl Send for Instance {}
 unsafe impl Sync for Instance {}
 
 thread_local! {
-    /// What a law of this thread last said was an error.
-    static ERROR: RefCell<String> = const { RefCell::new(String::new()) };
+    /// What a law of this thread last said was an error, and who said it.
+    static ERROR: RefCell<(usize, String)> = const { RefCell::new((0, String::new())) };
 }
 
 /// What laws call to say something. The context is the law's name.
@@ -63,7 +73,7 @@ pub(super) unsafe extern "C" fn log(context: *mut c_void, level: u32, text: *con
     log::log!(level, "{law}: {text}");
     if level == log::Level::Error {
         // A thread that ends may have no place for it any more.
-        _ = ERROR.try_with(|error| *error.borrow_mut() = text.into_owned());
+        _ = ERROR.try_with(|error| *error.borrow_mut() = (context.addr(), text.into_owned()));
     }
 }
 
@@ -82,6 +92,8 @@ impl Instance {
         let mut instance = Instance {
             declared,
             this: core::ptr::null_mut(),
+            apply: declared.table.apply.unwrap_or(no_apply),
+            has_memory: declared.table.state_size > 0,
             slots,
             strides,
             failed: AtomicBool::new(false),
@@ -92,26 +104,43 @@ impl Instance {
         if !parameters.iter().all(|number| number.is_finite()) {
             return instance;
         }
-        if let Some(create) = declared.table.create {
-            forget_errors();
-            // SAFETY: passed on to the caller; the host and the declaration stay.
-            let status = unsafe {
-                create(&raw const declared.host, parameters.as_ptr(), parameters.len(), &raw mut instance.this)
-            };
-            if status != 0 {
-                instance.this = core::ptr::null_mut();
-                instance.fail("create", status);
-                return instance;
-            }
-        }
+        // SAFETY: passed on to the caller.
+        unsafe { instance.make(parameters) };
         // What the framework's own loops run is checked where it was compiled.
-        if declared.table.native != abi::NATIVE {
+        if declared.table.native != abi::NATIVE && !instance.has_failed() {
             // SAFETY: passed on to the caller.
             if let Err(wrong) = unsafe { trial::trial(&instance) } {
                 instance.fail_for(wrong);
+            } else if instance.has_memory {
+                // It shall not remember rows of nobody's.
+                instance.unmake();
+                // SAFETY: passed on to the caller.
+                unsafe { instance.make(parameters) };
             }
         }
         instance
+    }
+
+    /// # Safety
+    /// As for `new`.
+    unsafe fn make(&mut self, parameters: &[f64]) {
+        let Some(create) = self.declared.table.create else { return };
+        forget_errors();
+        // SAFETY: passed on to the caller; the host and the declaration stay.
+        let status =
+            unsafe { create(&raw const self.declared.host, parameters.as_ptr(), parameters.len(), &raw mut self.this) };
+        if status != 0 {
+            self.this = core::ptr::null_mut();
+            self.fail("create", status);
+        }
+    }
+
+    fn unmake(&mut self) {
+        if let Some(destroy) = self.declared.table.destroy.filter(|_| !self.this.is_null()) {
+            // SAFETY: `create` made it, and nobody else has it.
+            unsafe { destroy(self.this) };
+        }
+        self.this = core::ptr::null_mut();
     }
 
     /// Whether the law is called no more.
@@ -143,10 +172,9 @@ impl Instance {
     /// As for `call`.
     #[inline]
     pub(super) unsafe fn apply(&self, call: &abi::Call) -> i32 {
-        let Some(apply) = self.declared.table.apply else { return 0 };
         let _turn = self.turn();
         // SAFETY: passed on to the caller.
-        unsafe { apply(self.this, call) }
+        unsafe { (self.apply)(self.this, call) }
     }
 
     /// The energy, where the law knows it.
@@ -168,14 +196,19 @@ impl Instance {
 
     #[inline(always)]
     fn turn(&self) -> Option<std::sync::MutexGuard<'_, ()>> {
-        (self.declared.table.state_size > 0).then(|| self.turn.lock().unwrap_or_else(PoisonError::into_inner))
+        self.has_memory.then(|| self.turn.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     #[cold]
     fn fail(&self, function: &str, status: i32) {
-        let said = ERROR.try_with(RefCell::take).unwrap_or_default();
-        let said = if said.is_empty() { String::new() } else { format!(": {said}") };
+        let said = self.said();
         self.fail_for(format!("`{function}` returned {status}{said}"));
+    }
+
+    /// What the law itself last said was an error, behind a colon.
+    fn said(&self) -> String {
+        let (who, text) = ERROR.try_with(RefCell::take).unwrap_or_default();
+        if who == self.declared.host.context.addr() && !text.is_empty() { format!(": {text}") } else { String::new() }
     }
 
     fn fail_for(&self, reason: String) {
@@ -193,14 +226,23 @@ fn forget_errors() {
 
 impl Drop for Instance {
     fn drop(&mut self) {
-        if let Some(destroy) = self.declared.table.destroy.filter(|_| !self.this.is_null()) {
-            // SAFETY: `create` made it, and nobody else has it.
-            unsafe { destroy(self.this) };
-        }
+        self.unmake();
     }
 }
 
 impl Foreign for Instance {
+    fn give_up(&self, reason: &str) {
+        self.fail_for(reason.to_owned());
+    }
+
+    fn fits(&self, memory: &[u8]) -> Result<(), String> {
+        let size = if self.has_failed() { memory.len() } else { self.declared.table.state_size };
+        if memory.len() == size {
+            return Ok(());
+        }
+        Err(format!("its memory has {} bytes, and the law's {size}", memory.len()))
+    }
+
     fn failure(&self) -> Option<String> {
         self.has_failed().then(|| self.reason.lock().unwrap_or_else(PoisonError::into_inner).clone())
     }
@@ -217,21 +259,19 @@ impl Foreign for Instance {
         // SAFETY: there is room for as many bytes as the law says.
         match unsafe { save(self.this, memory.as_mut_ptr().cast()) } {
             0 => Ok(memory),
-            status => Err(format!("`save` returned {status}")),
+            status => Err(format!("`save` returned {status}{}", self.said())),
         }
     }
 
     fn load(&self, memory: &[u8]) -> Result<(), String> {
         let size = self.declared.table.state_size;
+        self.fits(memory)?;
         let Some(load) = self.declared.table.load.filter(|_| size > 0 && !self.has_failed()) else { return Ok(()) };
-        if memory.len() != size {
-            return Err(format!("its memory has {} bytes, and the law's {size}", memory.len()));
-        }
         let _turn = self.turn();
         // SAFETY: there are as many bytes as the law says.
         match unsafe { load(self.this, memory.as_ptr().cast()) } {
             0 => Ok(()),
-            status => Err(format!("`load` returned {status}")),
+            status => Err(format!("`load` returned {status}{}", self.said())),
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use super::abi;
 use super::instance::Instance;
-use super::numbers::{Numbers, native, no_call, numbers, precision};
+use super::numbers::{Numbers, native, no_call, numbers, precision, rounding};
 use crate::backend::{LinkCall, LinkKernel, Links, Strided, TangentCall};
 use crate::law::{MAX_SLOTS, Place};
 use crate::real::{Isa, Scalar};
@@ -91,7 +91,8 @@ impl<P: Scalar> LinkKernel<P> for LinkLaws {
     }
 
     fn splits(&self) -> bool {
-        self.0.declared.table.native == abi::NATIVE && numbers::<P>(&self.0) == Numbers::Own
+        let table = self.0.declared.table;
+        table.native == abi::NATIVE && table.state_size == 0 && numbers::<P>(&self.0) == Numbers::Own
     }
 
     unsafe fn run(&self, isa: Isa, call: &LinkCall<'_, P>) {
@@ -109,7 +110,7 @@ impl<P: Scalar> LinkKernel<P> for LinkLaws {
         }
         let (mut slots, mut strides) = ([core::ptr::null_mut::<c_void>(); MAX_SLOTS], [0; MAX_SLOTS]);
         for (slot, Strided { start, stride }) in call.slots.iter().enumerate() {
-            (slots[slot], strides[slot]) = (start.cast(), *stride);
+            (slots[slot], strides[slot]) = (start.cast(), if self.0.slots[slot].one { 0 } else { *stride });
         }
         let mut native = abi::Native { own_begin: call.rows.start, own_end: call.rows.end, ..native(isa) };
         if let Links::Listed(list) = call.links {
@@ -123,6 +124,10 @@ impl<P: Scalar> LinkKernel<P> for LinkLaws {
 
     fn differentiates(&self) -> bool {
         false
+    }
+
+    fn rounding(&self) -> f64 {
+        rounding::<P>(&self.0)
     }
 
     unsafe fn tangent(&self, _call: &TangentCall<'_, P>) {}

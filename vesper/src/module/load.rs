@@ -4,7 +4,7 @@
 
 use super::abi;
 use super::column::Columns;
-use super::declared::{Declared, declared};
+use super::declared::{Declared, copied, declared};
 use super::instance::Instance;
 use super::link::LinkLaws;
 use super::pair::Pairs;
@@ -247,14 +247,14 @@ unsafe fn loaded(name: &str, path: &Path) -> Result<Module, String> {
             abi::VERSION
         ));
     }
-    if size < size_of::<abi::Module>() {
+    if size < MODULE_SIZE {
         return Err(format!(
             "its table is cut off: {size} bytes, and {} are needed: set `struct_size` to `sizeof(vesper_module)`",
-            size_of::<abi::Module>()
+            MODULE_SIZE
         ));
     }
-    // SAFETY: it has all fields, and stays.
-    let table = unsafe { &*table };
+    // SAFETY: it has these bytes, of which zeros are a value.
+    let table = unsafe { &copied(table, size) };
     if table.law_count > MOST_LAWS || table.law_count > 0 && table.laws.is_null() {
         return Err(format!("it says that it has {} laws: at most {MOST_LAWS} can be, in a list", table.law_count));
     }
@@ -280,6 +280,9 @@ unsafe fn loaded(name: &str, path: &Path) -> Result<Module, String> {
     }
     Ok(Module { name: name.to_owned(), path: path.to_owned(), build, laws, refused })
 }
+
+/// Bytes of a table of version 1.
+const MODULE_SIZE: usize = core::mem::offset_of!(abi::Module, laws) + size_of::<usize>();
 
 /// More laws in one module are a slip.
 const MOST_LAWS: usize = 4096;
@@ -351,7 +354,7 @@ impl ModuleLaw {
         // SAFETY: whoever opened the module promised this.
         let instance = Arc::new(unsafe { Instance::new(self.declared, &self.parameters) });
         let kernel = match shape {
-            Shape::Row => Kernel::Row(Arc::new(Rows::new(instance.clone()))),
+            Shape::Row => Kernel::Row(Arc::new(Rows::new::<P>(instance.clone()))),
             Shape::Pair => Kernel::Pair(Arc::new(Pairs(instance.clone()))),
             Shape::Link => Kernel::Link(Box::new(LinkLaws(instance.clone()))),
             Shape::Column => Kernel::Column(Box::new(Columns(instance.clone()))),

@@ -72,3 +72,12 @@ pub(super) fn native(isa: Isa) -> abi::Native {
         own_end: u32::MAX,
     }
 }
+
+/// What its numbers are uncertain by.
+pub(super) fn rounding<P: Scalar>(law: &Instance) -> f64 {
+    match numbers::<P>(law) {
+        Numbers::Own => P::EPSILON,
+        Numbers::Double => P::EPSILON.max(f64::EPSILON),
+        Numbers::Single => P::EPSILON.max(f64::from(f32::EPSILON)),
+    }
+}

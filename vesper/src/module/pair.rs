@@ -3,7 +3,7 @@
 
 use super::abi;
 use super::instance::Instance;
-use super::numbers::{Numbers, native, no_call, numbers, precision};
+use super::numbers::{Numbers, native, no_call, numbers, precision, rounding};
 use crate::backend::{Lists, PairCall, PairKernel, Tally, TangentCall};
 use crate::law::MAX_SLOTS;
 use crate::real::{Isa, Scalar};
@@ -142,8 +142,16 @@ impl<P: Scalar> PairKernel<P> for Pairs {
         true
     }
 
+    fn splits(&self) -> bool {
+        self.0.declared.table.state_size == 0
+    }
+
     fn differentiates(&self) -> bool {
         false
+    }
+
+    fn rounding(&self) -> f64 {
+        rounding::<P>(&self.0)
     }
 
     unsafe fn tangent(&self, _call: &TangentCall<'_, P>) {}

@@ -5,7 +5,7 @@
 
 use super::abi;
 use super::instance::{Instance, Slot};
-use super::numbers::{Numbers, native, no_call, numbers, precision};
+use super::numbers::{Numbers, native, no_call, numbers, precision, rounding};
 use crate::backend::{RowCall, RowKernel, TangentCall, by_differences};
 use crate::law::{MAX_SLOTS, Mode, Part, Place};
 use crate::property::Role;
@@ -17,11 +17,21 @@ use std::sync::Arc;
 /// Rows that go over a desk at a time.
 const DESK: usize = 128;
 
-/// A row law of a module.
+/// How a law is called by an engine of one precision.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Way {
+    /// With all that the host's loop knows.
+    Native,
+    /// With the pointers as they are: there are no rates, fields or turns, which not every call has places for.
+    Plain,
+    /// With what lies on a desk.
+    Desk(Numbers),
+}
+
+/// A row law of a module, for engines of one precision.
 pub(super) struct Rows {
     law: Arc<Instance>,
-    /// Calls may be passed on as they are: there are no rates, fields or turns, which not every call has places for.
-    plain: bool,
+    way: Way,
 }
 
 /// The numbers of some rows, by slot.
@@ -52,13 +62,17 @@ impl<Q: Scalar> Desk<Q> {
 }
 
 impl Rows {
-    pub(super) fn new(law: Arc<Instance>) -> Self {
+    pub(super) fn new<P: Scalar>(law: Arc<Instance>) -> Self {
         let of_all = |slot: &Slot| {
             let turns = matches!(slot.port.property.role, Role::Turn { .. });
             slot.port.mode != Mode::Rates && slot.port.place != Place::Field && !turns
         };
-        let plain = law.slots.iter().all(of_all);
-        Rows { law, plain }
+        let way = match numbers::<P>(&law) {
+            Numbers::Own if law.declared.table.native == abi::NATIVE => Way::Native,
+            Numbers::Own if law.slots.iter().all(of_all) => Way::Plain,
+            numbers => Way::Desk(numbers),
+        };
+        Rows { law, way }
     }
 
     /// # Safety
@@ -145,10 +159,12 @@ impl Rows {
                 unsafe {
                     let found = if went { P::from_f64(found.assume_init().to_f64()) } else { P::default() };
                     let to = to.add(row);
+                    let same = Q::from_f64((*to).to_f64()).bits() == Q::from_f64(found.to_f64()).bits();
                     match (slot.port.mode, call.advance) {
                         (Mode::Adds, _) if !call.first => *to += found,
                         (Mode::Rates, Some(step)) => *to += found * step,
-                        (Mode::Sets | Mode::Amends, _) if !went => {}
+                        // What the law left as it was keeps its digits.
+                        (Mode::Sets | Mode::Amends, _) if !went || same => {}
                         _ => *to = found,
                     }
                 }
@@ -223,7 +239,7 @@ macro_rules! in_numbers {
     ($law:expr, $of:ident, $call:expr) => {
         // SAFETY: whoever uses this was promised what the function asks for.
         unsafe {
-            match numbers::<P>(&$law.law) {
+            match $law.numbers::<P>() {
                 Numbers::Own => $law.$of::<P, P>($call),
                 Numbers::Double => $law.$of::<P, f64>($call),
                 Numbers::Single => $law.$of::<P, f32>($call),
@@ -233,12 +249,15 @@ macro_rules! in_numbers {
 }
 
 impl<P: Scalar> RowKernel<P> for Rows {
+    fn splits(&self) -> bool {
+        self.law.declared.table.state_size == 0
+    }
+
     unsafe fn run(&self, isa: Isa, call: &RowCall<'_, P>) {
-        let own = numbers::<P>(&self.law) == Numbers::Own;
         let strides = self.law.strides.as_ptr();
         let slots = call.slots.as_ptr().cast();
         let plain = abi::Call { precision: precision::<P>(), end: call.rows, slots, strides, ..no_call() };
-        if own && self.law.declared.table.native == abi::NATIVE {
+        if self.way == Way::Native {
             let part = match call.part {
                 Part::All => 0,
                 Part::Coordinates => 1,
@@ -260,7 +279,7 @@ impl<P: Scalar> RowKernel<P> for Rows {
             if unsafe { self.law.call(&abi::Call { native: &raw const native, ..plain }) } {
                 return;
             }
-        } else if own && self.plain {
+        } else if self.way == Way::Plain {
             // SAFETY: as above.
             unsafe {
                 if call.first {
@@ -303,11 +322,18 @@ impl<P: Scalar> RowKernel<P> for Rows {
             }
         };
         // SAFETY: the caller promises the same.
-        unsafe { by_differences(signature, call, body) };
+        unsafe { by_differences(signature, call, rounding::<P>(&self.law), body) };
     }
 
     unsafe fn energy(&self, call: &RowCall<'_, P>) -> Option<f64> {
         self.law.declared.table.energy?;
+        if self.way == Way::Native {
+            let native = abi::Native { uniform: call.uniform, ..native(Isa::Scalar) };
+            let (slots, strides) = (call.slots.as_ptr().cast(), self.law.strides.as_ptr());
+            let to_law = abi::Call { precision: precision::<P>(), end: call.rows, slots, strides, ..no_call() };
+            // SAFETY: the caller promises the slots.
+            return Some(unsafe { self.law.energy(&abi::Call { native: &raw const native, ..to_law }) });
+        }
         Some(in_numbers!(self, energy_of, call))
     }
 
@@ -318,6 +344,11 @@ impl<P: Scalar> RowKernel<P> for Rows {
 }
 
 impl Rows {
+    /// What rows are called with on a desk.
+    fn numbers<P: Scalar>(&self) -> Numbers {
+        if let Way::Desk(numbers) = self.way { numbers } else { Numbers::Own }
+    }
+
     /// Begins sums.
     ///
     /// # Safety

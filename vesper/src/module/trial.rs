@@ -14,31 +14,67 @@ const GUARD: usize = 64;
 const BEGIN: usize = 2;
 const END: usize = 6;
 
-/// What a slot's numbers are before: of no bits that a law computes.
-fn before(slot: usize, place: usize) -> u64 {
-    // A NaN that says where it is.
-    0x7ff8_0000_0000_0000 | (slot as u64) << 16 | place as u64
+/// Numbers, by their bits.
+trait Bits: Copy + PartialEq {
+    /// [`abi::F32`] or [`abi::F64`].
+    const PRECISION: u32;
+    fn of(number: f64) -> Self;
+    /// A NaN that says where it is: of no bits that a law computes.
+    fn nowhere(slot: usize, place: usize) -> Self;
 }
 
+impl Bits for u64 {
+    const PRECISION: u32 = abi::F64;
+    fn of(number: f64) -> Self {
+        number.to_bits()
+    }
+    fn nowhere(slot: usize, place: usize) -> Self {
+        0x7ff8_0000_0000_0000 | (slot as u64) << 16 | place as u64
+    }
+}
+
+impl Bits for u32 {
+    const PRECISION: u32 = abi::F32;
+    fn of(number: f64) -> Self {
+        (number as f32).to_bits()
+    }
+    fn nowhere(slot: usize, place: usize) -> Self {
+        0x7fc0_0000 | (slot as u32) << 8 | place as u32
+    }
+}
+
+/// Tries the law in all numbers that it takes.
+///
 /// # Safety
 /// The module's functions do what `vesper_law.h` says, but for the rows that they write.
 pub(super) unsafe fn trial(instance: &Instance) -> Result<(), String> {
-    if instance.declared.table.precisions & abi::F64 == 0 {
-        // What it is told is what counts, and that is the same in both.
-        return Ok(());
+    let knows = |precision: u32| instance.declared.table.precisions & precision != 0;
+    // SAFETY: passed on to the caller.
+    unsafe {
+        if knows(abi::F64) {
+            tried::<u64>(instance)?;
+        }
+        if knows(abi::F32) {
+            tried::<u32>(instance)?;
+        }
     }
+    Ok(())
+}
+
+/// # Safety
+/// As for [`trial`].
+unsafe fn tried<B: Bits>(instance: &Instance) -> Result<(), String> {
     let signature = &instance.declared.signature;
-    let law = signature.name;
     let shape = instance.declared.shape;
     let (count, arity) = (instance.slots.len(), signature.link.map_or(0, |link| link.kind.width()));
-    let mut memory = vec![vec![0_u64; GUARD + ROWS + GUARD]; count];
+    let mut memory = vec![vec![B::of(0.0); GUARD + ROWS + GUARD]; count];
     for (slot, numbers) in memory.iter_mut().enumerate() {
         let port = instance.slots[slot].port;
         for (place, number) in numbers.iter_mut().enumerate() {
             let row = place.wrapping_sub(GUARD);
-            *number = before(slot, place);
+            *number = B::nowhere(slot, place);
             if row < ROWS && (port.mode.is_input() || matches!(port.mode, Mode::Adds | Mode::Amends)) {
-                *number = (1.0 + slot as f64 * 0.01 + row as f64 * 0.1).to_bits();
+                *number = B::of(1.0 + slot as f64 * 0.01 + row as f64 * 0.1);
             }
         }
     }
@@ -56,7 +92,7 @@ pub(super) unsafe fn trial(instance: &Instance) -> Result<(), String> {
     let others = if shape == Shape::Link { END - BEGIN } else { ROWS };
     let call = abi::Call {
         struct_size: size_of::<abi::Call>() as u32,
-        precision: abi::F64,
+        precision: B::PRECISION,
         begin,
         end,
         others_begin: 0,
@@ -75,13 +111,13 @@ pub(super) unsafe fn trial(instance: &Instance) -> Result<(), String> {
         let changed = |range: core::ops::Range<usize>| range.clone().find(|&place| found[place] != known[place]);
         if let Some(place) = changed(0..GUARD).or_else(|| changed(GUARD + ROWS..2 * GUARD + ROWS)) {
             let by = place as isize - GUARD as isize;
-            return Err(format!("{law} writes outside of {name}: to row {by}, where {ROWS} rows are from 0 on"));
+            return Err(format!("it writes outside of {name}: to row {by}, where {ROWS} rows are from 0 on"));
         }
         if port.mode.is_input() {
             if let Some(place) = changed(GUARD..GUARD + ROWS) {
                 let row = place - GUARD;
                 return Err(format!(
-                    "{law} writes to row {row} of {name}, which it says it reads: declare it as written, or leave it"
+                    "it writes to row {row} of {name}, which it says it reads: declare it as written, or leave it"
                 ));
             }
             continue;
@@ -95,14 +131,14 @@ pub(super) unsafe fn trial(instance: &Instance) -> Result<(), String> {
         if let Some(place) = outside {
             let (row, from, to) = (place - GUARD, own.start, own.end);
             return Err(format!(
-                "{law} writes to row {row} of {name}, and was called for the rows from `begin` {from} to before `end` {to}"
+                "it writes to row {row} of {name}, and was called for the rows from `begin` {from} to before `end` {to}"
             ));
         }
         let whole = matches!(port.mode, Mode::Sets | Mode::Rates) && went;
         let left = own.clone().find(|&row| found[GUARD + row] == known[GUARD + row]);
         if let (true, Some(row)) = (whole, left) {
             return Err(format!(
-                "{law} {} {name}, and leaves out row {row} of those from `begin` {} to before `end` {}",
+                "it {} {name}, and leaves out row {row} of those from `begin` {} to before `end` {}",
                 port.mode.does(),
                 own.start,
                 own.end

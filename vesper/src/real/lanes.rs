@@ -89,13 +89,6 @@ impl Isa {
         self as u32
     }
 
-    /// The one of this number, if this processor has it.
-    #[cfg(feature = "modules")]
-    pub(crate) fn of_number(number: u32) -> Isa {
-        static AVAILABLE: std::sync::OnceLock<Vec<Isa>> = std::sync::OnceLock::new();
-        AVAILABLE.get_or_init(Isa::available).get(number as usize).copied().unwrap_or(Isa::Baseline)
-    }
-
     /// The one to take for so many numbers: those that half of the widest registers hold need no wider ones, whose loads and stores
     /// then cross lines of the cache (measured with sums over three bodies: a tenth of an evaluation).
     #[inline(always)]

@@ -63,7 +63,7 @@ impl<P: Scalar> Binder<'_, P> {
             packed: Vec::new(),
             energy,
             first,
-            threads: threads(op.backend, rows * rows, PARALLEL_PAIRS, self.machine),
+            threads: if kernel.splits() { threads(op.backend, rows * rows, PARALLEL_PAIRS, self.machine) } else { 1 },
             estimates: false,
             once: None,
             near: None,

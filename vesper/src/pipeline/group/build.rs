@@ -69,8 +69,9 @@ impl<'a, P: Scalar> GroupBuilder<'a, P> {
         columns.sort_unstable();
         columns.dedup();
         let block = block::<P>(columns.len() * self.rows * size_of::<P>());
-        let threads =
-            threads(backend, self.rows, PARALLEL_ROWS, self.binder.machine).min(self.rows.div_ceil(block)).max(1);
+        let alone = self.ops.iter().any(|op| matches!(op, BlockOp::Law(law) if !law.kernel.splits()));
+        let most = if alone { 1 } else { self.rows.div_ceil(block) };
+        let threads = threads(backend, self.rows, PARALLEL_ROWS, self.binder.machine).min(most).max(1);
         // One operation that keeps nothing between rows runs through all of a thread's rows.
         let block = match (self.ops.len(), self.scratches.len()) {
             (0 | 1, 0) => self.rows.div_ceil(threads).next_multiple_of(MAX_WIDTH),

@@ -107,7 +107,7 @@ impl<P: Scalar> Binder<'_, P> {
             let operand = op.operands[range.start];
             // Whole columns, but for pairs, which may be of some rows.
             let rows = match (kernel, operand) {
-                (Kernel::Pair(_), Operand::Quantity(..)) => rows,
+                (Kernel::Pair(_), Operand::Quantity(..) | Operand::Previous(..)) => rows,
                 _ => self.rows_of(operand),
             };
             let adds = port.mode == Mode::Adds;

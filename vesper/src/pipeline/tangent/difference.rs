@@ -100,7 +100,8 @@ impl<P: Scalar> Difference<P> {
             if !self.ports[moving].is_input || speed == 0.0 {
                 continue;
             }
-            let by = P::EPSILON.cbrt() * if size > 0.0 { size } else { 1.0 } / speed;
+            let by =
+                context.laws[self.law].compiled.kernel.rounding().cbrt() * if size > 0.0 { size } else { 1.0 } / speed;
             for sign in [1.0, -1.0] {
                 self.ports[moving].put(P::from_f64(sign * by));
                 self.evaluate(context);

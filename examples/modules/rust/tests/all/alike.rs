@@ -113,15 +113,27 @@ fn many_links_are_shared_among_threads_as_those_of_a_law_that_is_here() {
 
 #[test]
 fn double_double_engines_convert() {
-    let at = |loaded: bool| {
-        let builder = Engine::<DoubleDouble>::builder().domain(typed::<DoubleDouble>(300)).law(Motion);
-        let builder = if loaded { builder.law(law("lift")) } else { builder.law(Lift::default()) };
-        let mut engine = builder.step(1e-2).build().unwrap();
-        engine.advance(0.1).unwrap();
-        (0..300).map(|row| engine.state().get("birds", Position, row).unwrap().z.to_f64()).collect::<Vec<_>>()
-    };
-    for (here, there) in at(false).into_iter().zip(at(true)) {
-        assert!((here - there).abs() < 1e-15, "{here} {there}");
+    // Numbers of rows that fill no lanes, and some that do.
+    for count in [1, 2, 3, 5, 7, 8, 60] {
+        for shape in ["lift", "flock", "cord", "level", "flight"] {
+            let at = |loaded: bool| {
+                let builder = Engine::<DoubleDouble>::builder().domain(typed::<DoubleDouble>(count));
+                let builder = builder.domain(cords::<DoubleDouble>(count)).law(Drag);
+                let builder = match (loaded, shape) {
+                    (true, "flight") => builder.law(law("flight")),
+                    (true, shape) => builder.law(law(shape)).law(Motion),
+                    (false, "flight") => builder.law(Flight),
+                    (false, "lift") => builder.law(Lift::default()).law(Motion),
+                    (false, "flock") => builder.law(Flock::default()).law(Motion),
+                    (false, "cord") => builder.law(Cord).law(Motion),
+                    (false, _) => builder.law(Level::default()).law(Motion),
+                };
+                let mut engine = builder.step(1e-2).build().unwrap();
+                engine.advance(0.1).unwrap();
+                positions(&engine)
+            };
+            near(&at(false), &at(true), 1e-14, &format!("{shape}, {count} rows"));
+        }
     }
 }
 

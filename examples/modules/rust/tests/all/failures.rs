@@ -67,6 +67,21 @@ fn a_law_that_fails_is_switched_off_and_all_else_goes_on() {
 }
 
 #[test]
+fn a_frame_in_which_a_law_fails_is_a_frame() {
+    let mut engine = engine("fails_in_a_frame", "if (mass[0] == 1.0 && call->end == 3) return 7;").unwrap();
+    assert!(engine.advance(0.25).is_err());
+    assert_eq!((engine.steps(), engine.advance(0.05).is_ok(), engine.steps()), (2, true, 3));
+    let saved = engine.checkpoint().unwrap();
+    assert_eq!(saved.laws.iter().filter(|law| law.failed.as_deref() == Some("`apply` returned 7")).count(), 1);
+    let mut other = super::failures::engine("fails_in_a_frame", "").unwrap();
+    other.restore(&saved).unwrap();
+    assert!(other.report().laws.iter().any(|law| matches!(law.status, Status::Failed { .. })), "{}", other.report());
+    other.advance(0.1).unwrap();
+    engine.advance(0.1).unwrap();
+    assert_eq!(engine.state().hash(), other.state().hash());
+}
+
+#[test]
 fn a_number_that_is_none_is_traced_to_the_law_that_gave_it() {
     let mut engine =
         engine("gives_nan", "for (size_t i = call->begin; i < call->end; i++) force[i] += 0.0 / (mass[i] - 2);")

@@ -128,6 +128,30 @@ const LAWS: &[(&str, &str, &str, &str)] = &[
         "is read, and stands behind what is written: inputs come first",
     ),
     (
+        "default",
+        ".kind = 1, .mode",
+        ".has_default = 1, .kind = 1, .mode",
+        "mass has a default, which only a constant of the scene can have",
+    ),
+    (
+        "ends",
+        ".kind = 1, .mode",
+        ".place = VESPER_END, .kind = 1, .mode",
+        "mass is of rows linked to, and only a law of links has those",
+    ),
+    (
+        "odd_size",
+        ".port_size = sizeof *ports",
+        ".port_size = sizeof *ports + 4",
+        "a port has 92 bytes, and 88 are needed",
+    ),
+    (
+        "turn",
+        ".kind = 3, .mode = VESPER_ADDS",
+        ".role = VESPER_TURN, .role_of = \"force\", .kind = 3, .mode = VESPER_ADDS",
+        "force is a turn by nothing: set `role_by`",
+    ),
+    (
         "constant",
         ".mode = VESPER_ADDS",
         ".mode = VESPER_ADDS, .place = VESPER_SCENE",
@@ -184,7 +208,7 @@ fn laws_that_write_what_they_do_not_say_are_not_made() {
         let module = opened(name, &ONE.replace("BODY", body)).unwrap();
         let builder = Engine::builder().domain(bodies()).law(Motion).law(module.law("wrong").unwrap());
         let said = builder.step(0.1).build().unwrap_err().to_string();
-        assert_eq!(said, format!("wrong cannot be made: wrong {expected}"), "{name}");
+        assert_eq!(said, format!("wrong cannot be made: it {expected}"), "{name}");
     }
     let sets = ONE.replace(
         "{.property = \"force\", .si = {1, 1, -2}, .kind = 3, .mode = VESPER_ADDS}",
@@ -197,7 +221,7 @@ fn laws_that_write_what_they_do_not_say_are_not_made() {
     let said = builder.step(0.1).build().unwrap_err().to_string();
     assert_eq!(
         said,
-        "wrong cannot be made: wrong sets strain, and leaves out row 2 of those from `begin` 2 to before `end` 6"
+        "wrong cannot be made: it sets strain, and leaves out row 2 of those from `begin` 2 to before `end` 6"
     );
 }
 
