@@ -11,11 +11,11 @@ use vesper_laws::Motion;
 /// A law in C whose body is `BODY`, beside one that is right.
 pub const ONE: &str = r#"
 #include "vesper_law.h"
-static const vesper_host *the_host;
-static int32_t create(const vesper_host *host, const double *p, size_t n, void **self) { the_host = host; (void)p, (void)n; *self = 0; return 0; }
+static int32_t create(const vesper_host *host, const double *p, size_t n, void **self) { (void)p, (void)n; *self = (void *)host; return 0; }
 static int32_t apply(void *self, const vesper_call *call) {
     double *force = call->slots[4], *mass = call->slots[0];
-    (void)self, (void)force, (void)mass;
+    const vesper_host *host = self;
+    (void)host, (void)force, (void)mass;
     BODY
     return 0;
 }
@@ -33,7 +33,7 @@ LAW(wrong, apply);
 LAW(fine, right);
 static const vesper_law *const laws[] = {&wrong, &fine};
 static const vesper_module module = {VESPER_LAW_ABI, sizeof module, 0, 2, laws};
-const vesper_module *vesper_module_v1(void) { (void)the_host; return &module; }
+const vesper_module *vesper_module_v1(void) { return &module; }
 "#;
 
 fn bodies() -> Domain<f64> {
@@ -48,7 +48,7 @@ fn engine(name: &str, body: &str) -> Result<Engine<f64>, Faults> {
 
 #[test]
 fn a_law_that_fails_is_switched_off_and_all_else_goes_on() {
-    let body = "if (mass[0] == 1.0 && call->end == 3) { the_host->log(the_host->context, VESPER_ERROR, \"no air\"); return 7; }";
+    let body = "if (mass[0] == 1.0 && call->end == 3) { host->log(host->context, VESPER_ERROR, \"no air\"); return 7; }";
     let mut engine = engine("fails", body).unwrap();
     let fault = engine.advance(0.1).unwrap_err();
     assert_eq!(
