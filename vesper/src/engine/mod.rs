@@ -11,6 +11,7 @@ mod device;
 mod late;
 mod lent;
 mod machine;
+mod observe;
 mod origin;
 mod stable;
 
