@@ -1,0 +1,255 @@
+//! Handles: numbers that stand for values, looked up on every call.
+//!
+//! In: a value, and the number that it is known by from then on. Out: the value, to the one thread that has it, while no other
+//! call on it is under way; words for every other case. Never: a lock, or an instruction that other processors wait for, on the
+//! way to a value; the value of a number that was freed, also where its place is taken again.
+//!
+//! A value belongs to the thread that made it, until that thread lets go of it or ends: the next one that calls has it then. To
+//! take a lock on each call instead, were it free, costs as much as the whole of the rest.
+
+use super::engine::Held;
+use super::failure::{
+    Failure, VESPER_ERROR_HANDLE, VESPER_ERROR_LIMIT, VESPER_ERROR_PANIC, VESPER_ERROR_THREAD, caught,
+};
+use crate::session::Assembly;
+use std::cell::{Cell, UnsafeCell};
+use std::sync::atomic::{AtomicU8, AtomicU32, AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+/// All that are being put together.
+pub(super) static ASSEMBLIES: Table<Assembly> = Table::new("builder");
+/// All engines.
+pub(super) static ENGINES: Table<Held> = Table::new("engine");
+
+/// Slots that are made at a time, and how often.
+const CHUNK: usize = 256;
+const CHUNKS: usize = 256;
+
+/// Nobody has the value: the next thread that calls does.
+const NOBODY: u64 = 0;
+/// There is no value.
+const EMPTY: u64 = u64::MAX;
+
+/// No call is under way.
+const IDLE: u8 = 0;
+/// A call is under way.
+const BUSY: u8 = 1;
+/// A call ended in a panic: the value can only be freed.
+const BROKEN: u8 = 2;
+
+/// A place for values, one after the other.
+struct Slot<T> {
+    /// How often a value came and went: odd while there is one. The upper half of a handle says which one is meant.
+    generation: AtomicU32,
+    /// The number of the thread that has the value; only that thread changes it, but from [`NOBODY`] and [`EMPTY`].
+    owner: AtomicU64,
+    /// What calls do with the value; only the owner looks.
+    state: AtomicU8,
+    /// The value; only the owner touches it.
+    value: UnsafeCell<Option<T>>,
+}
+
+// SAFETY: a value is touched by the thread whose number is in `owner`, and by no other; it goes from one to the next by a
+// release of the one and an acquire of the other.
+unsafe impl<T: Send> Sync for Slot<T> {}
+
+/// Slots that are free, and how many were made.
+struct Free {
+    list: Vec<u32>,
+    made: u32,
+}
+
+/// Values by their handles.
+pub(super) struct Table<T: 'static> {
+    what: &'static str,
+    chunks: [OnceLock<Box<[Slot<T>]>>; CHUNKS],
+    free: Mutex<Free>,
+}
+
+impl<T: Send> Table<T> {
+    const fn new(what: &'static str) -> Self {
+        let free = Mutex::new(Free { list: Vec::new(), made: 0 });
+        Table { what, chunks: [const { OnceLock::new() }; CHUNKS], free }
+    }
+
+    /// Keeps a value for this thread.
+    pub(super) fn insert(&'static self, value: T) -> Result<u64, Failure> {
+        let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        let index = match free.list.pop() {
+            Some(index) => index,
+            None if (free.made as usize) < CHUNK * CHUNKS => {
+                free.made += 1;
+                free.made - 1
+            }
+            None => {
+                let text = format!("there are {} {}s: free some first", CHUNK * CHUNKS, self.what);
+                return Err(Failure::new(VESPER_ERROR_LIMIT, text));
+            }
+        };
+        drop(free);
+        let chunk = self.chunks[index as usize / CHUNK].get_or_init(|| (0..CHUNK).map(|_| Slot::new()).collect());
+        let slot = &chunk[index as usize % CHUNK];
+        // SAFETY: the slot was free, so nobody has it but this thread, which took it from the list.
+        unsafe { *slot.value.get() = Some(value) };
+        slot.state.store(IDLE, Ordering::Relaxed);
+        slot.owner.store(this_thread(), Ordering::Relaxed);
+        let generation = slot.generation.load(Ordering::Relaxed) + 1;
+        slot.generation.store(generation, Ordering::Release);
+        Ok(u64::from(generation) << 32 | u64::from(index))
+    }
+
+    /// Runs a call with the value, which nobody else can touch meanwhile. After a panic the value can only be freed.
+    #[inline]
+    pub(super) fn with<R>(
+        &'static self,
+        handle: u64,
+        call: impl FnOnce(&mut T) -> Result<R, Failure>,
+    ) -> Result<R, Failure> {
+        let slot = self.mine(handle)?;
+        if slot.state.load(Ordering::Relaxed) != IDLE {
+            return Err(self.occupied(slot));
+        }
+        // SAFETY: this thread has the value, and no call of it is under way.
+        let Some(value) = (unsafe { &mut *slot.value.get() }) else { return Err(self.unknown(handle)) };
+        slot.state.store(BUSY, Ordering::Relaxed);
+        let done = caught(|| call(value));
+        slot.state.store(if done.is_ok() { IDLE } else { BROKEN }, Ordering::Relaxed);
+        done?
+    }
+
+    /// Takes a value away: its handle is none any more.
+    pub(super) fn remove(&'static self, handle: u64) -> Result<T, Failure> {
+        let slot = self.mine(handle)?;
+        if slot.state.load(Ordering::Relaxed) == BUSY {
+            return Err(self.occupied(slot));
+        }
+        // SAFETY: this thread has the value, and no call of it is under way.
+        let Some(value) = (unsafe { (*slot.value.get()).take() }) else { return Err(self.unknown(handle)) };
+        let generation = slot.generation.load(Ordering::Relaxed).wrapping_add(1);
+        slot.generation.store(generation, Ordering::Release);
+        slot.owner.store(EMPTY, Ordering::Release);
+        // A slot whose generations have all been used is left alone.
+        if generation < u32::MAX - 1 {
+            let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+            free.list.push(handle as u32);
+        }
+        Ok(value)
+    }
+
+    /// Lets the next thread that calls have the value.
+    pub(super) fn let_go(&'static self, handle: u64) -> Result<(), Failure> {
+        let slot = self.mine(handle)?;
+        if slot.state.load(Ordering::Relaxed) == BUSY {
+            return Err(self.occupied(slot));
+        }
+        slot.owner.store(NOBODY, Ordering::Release);
+        Ok(())
+    }
+
+    /// Lets go of everything that a thread has.
+    fn let_go_of_all(&'static self, thread: u64) {
+        for slot in self.chunks.iter().filter_map(OnceLock::get).flatten() {
+            if slot.owner.load(Ordering::Relaxed) == thread {
+                slot.owner.store(NOBODY, Ordering::Release);
+            }
+        }
+    }
+
+    /// The slot of a handle that is this thread's.
+    #[inline]
+    fn mine(&'static self, handle: u64) -> Result<&'static Slot<T>, Failure> {
+        let (index, generation) = (handle as u32 as usize, (handle >> 32) as u32);
+        let chunk = self.chunks.get(index / CHUNK).and_then(OnceLock::get);
+        let Some(slot) = chunk.map(|chunk| &chunk[index % CHUNK]) else { return Err(self.unknown(handle)) };
+        if generation % 2 == 0 || slot.generation.load(Ordering::Acquire) != generation {
+            return Err(self.unknown(handle));
+        }
+        if slot.owner.load(Ordering::Relaxed) != this_thread() {
+            self.claim(slot, handle, generation)?;
+        }
+        Ok(slot)
+    }
+
+    /// Makes this thread the owner, where there is none.
+    #[cold]
+    fn claim(&'static self, slot: &Slot<T>, handle: u64, generation: u32) -> Result<(), Failure> {
+        let taken = slot.owner.compare_exchange(NOBODY, this_thread(), Ordering::Acquire, Ordering::Relaxed).is_ok();
+        // It may have been freed, and the slot used anew, since the generation was looked at.
+        match (taken, slot.generation.load(Ordering::Acquire) == generation) {
+            (true, true) => Ok(()),
+            (true, false) => {
+                slot.owner.store(NOBODY, Ordering::Release);
+                Err(self.unknown(handle))
+            }
+            (false, true) => {
+                let text = format!("this {} belongs to another thread: let go of it there first", self.what);
+                Err(Failure::new(VESPER_ERROR_THREAD, text))
+            }
+            (false, false) => Err(self.unknown(handle)),
+        }
+    }
+
+    #[cold]
+    fn unknown(&self, handle: u64) -> Failure {
+        let text = match handle {
+            0 => format!("the {} is null: it was never made, or could not be", self.what),
+            handle => format!("the {} {handle:#x} was freed, or never was one", self.what),
+        };
+        Failure::new(VESPER_ERROR_HANDLE, text)
+    }
+
+    #[cold]
+    fn occupied(&self, slot: &Slot<T>) -> Failure {
+        if slot.state.load(Ordering::Relaxed) == BROKEN {
+            let text = format!("an earlier call left this {} half done when it panicked: free it", self.what);
+            return Failure::new(VESPER_ERROR_PANIC, text);
+        }
+        let text = format!("a call on this {} is under way: wait until it is done, also in a callback", self.what);
+        Failure::new(VESPER_ERROR_THREAD, text)
+    }
+}
+
+impl<T> Slot<T> {
+    fn new() -> Self {
+        Slot {
+            generation: AtomicU32::new(0),
+            owner: AtomicU64::new(EMPTY),
+            state: AtomicU8::new(IDLE),
+            value: UnsafeCell::new(None),
+        }
+    }
+}
+
+/// Lets go of what a thread has when it ends.
+struct Leaving(u64);
+
+impl Drop for Leaving {
+    fn drop(&mut self) {
+        ASSEMBLIES.let_go_of_all(self.0);
+        ENGINES.let_go_of_all(self.0);
+    }
+}
+
+thread_local! {
+    static THREAD: Cell<u64> = const { Cell::new(0) };
+    static LEAVING: Cell<Option<Leaving>> = const { Cell::new(None) };
+}
+
+/// The number of this thread, which no other one has or had.
+#[inline]
+fn this_thread() -> u64 {
+    match THREAD.get() {
+        0 => number_thread(),
+        number => number,
+    }
+}
+
+#[cold]
+fn number_thread() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(1);
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    THREAD.set(number);
+    // A thread that is ending cannot be told of its end: what it makes now stays its own.
+    _ = LEAVING.try_with(|leaving| leaving.set(Some(Leaving(number))));
+    number
+}
