@@ -55,13 +55,14 @@ int main(void) {
     vesper_builder_column(builder, "scene", "gravity", VESPER_F64, gravity, 3);
     vesper_builder_law(builder, "uniform_gravity", NULL);
     vesper_builder_law(builder, "motion", NULL);
-    vesper_builder_settings(builder, "integrator = 'leapfrog'");
+    vesper_builder_settings(builder, "integrator = 'leapfrog', threads = 1");
     check(vesper_builder_build(builder, &engine));
     check(vesper_engine_step(engine, 1, 0.0625));
     in_build = asked - before;
     before = asked;
     check(vesper_engine_step(engine, 15, 0.0625));
-    printf("asked for memory: %lu times to build, %lu times in 15 steps of a million rows\n", in_build, asked - before);
+    if (in_build > 0)
+        printf("asked for memory: %lu times to build, %lu times in 15 steps of a million rows\n", in_build, asked - before);
     wrong += asked != before;
     check(vesper_engine_column(engine, "bodies", "position", VESPER_READ, &column));
     wrong += column.component[0] != (void *)position || column.stride != 3 || column.rows != ROWS;

@@ -176,7 +176,7 @@ vesper_status vesper_builder_free(vesper_builder builder);
 
 /* ---- Engine ---------------------------------------------------------------------------------------------------------------- */
 
-/* Takes `count` steps of `step` s. Takes no memory after the first step. */
+/* Takes `count` steps of `step` s. After the first one no memory is taken, but for what wakes further threads. */
 vesper_status vesper_engine_step(vesper_engine engine, uint64_t count, double step);
 
 /* Goes on by `frame` s: by as many steps of the set length as fit, and the rest is carried to the next frame; without a set

@@ -191,7 +191,7 @@ int main(int arguments, char **argument) {
     }
     for (calls = 0; calls < turns; calls++) {
         vesper_status status;
-        if (calls % 25 == 0) {
+        if (calls % 10 == 0) {
             vesper_engine engine;
             check(vesper_builder_build(right_builder(), &engine));
             keep_engine(engine);

@@ -253,3 +253,71 @@ fn number_thread() -> u64 {
     _ = LEAVING.try_with(|leaving| leaving.set(Some(Leaving(number))));
     number
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values that know their own number, and how often they were used.
+    static TABLE: Table<Box<(u64, u64)>> = Table::new("box");
+    /// Handles that were ever made, with the number of their value.
+    static MADE: Mutex<Vec<(u64, u64)>> = Mutex::new(Vec::new());
+
+    fn at_random(state: &mut u64) -> u64 {
+        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        *state >> 33
+    }
+
+    #[test]
+    fn a_handle_never_leads_to_another_value() {
+        let turns = if cfg!(miri) { 200 } else { 20_000 };
+        let totals = std::thread::scope(|scope| {
+            let threads = [1_u64, 2, 3, 4].map(|thread| {
+                scope.spawn(move || {
+                    let (mut chance, mut used, mut seen) = (thread, 0, 0);
+                    for turn in 0..turns {
+                        let number = thread << 32 | turn;
+                        let known = MADE.lock().unwrap().clone();
+                        let pick = known.get(at_random(&mut chance) as usize % known.len().max(1)).copied();
+                        match (at_random(&mut chance) % 8, pick) {
+                            (0, _) | (_, None) => {
+                                let handle = TABLE.insert(Box::new((number, 0))).unwrap();
+                                let mut made = MADE.lock().unwrap();
+                                if made.len() >= 32 {
+                                    made.remove(at_random(&mut chance) as usize % 32);
+                                }
+                                made.push((handle, number));
+                            }
+                            (1, Some((handle, _))) => seen += TABLE.remove(handle).map_or(0, |value| value.1),
+                            (2, Some((handle, _))) => _ = TABLE.let_go(handle),
+                            (_, Some((handle, number))) => {
+                                let with = |value: &mut Box<(u64, u64)>| {
+                                    assert_eq!(value.0, number, "the value of another handle");
+                                    value.1 += 1;
+                                    Ok(())
+                                };
+                                used += u64::from(TABLE.with(handle, with).is_ok());
+                            }
+                        }
+                    }
+                    (used, seen)
+                })
+            });
+            threads.map(|thread| thread.join().unwrap())
+        });
+        let (used, seen) = totals.iter().fold((0, 0), |sum, total| (sum.0 + total.0, sum.1 + total.1));
+        assert!(used > 0 && seen <= used, "{used} uses, {seen} of them in values that were freed");
+    }
+
+    #[test]
+    fn what_panicked_can_only_be_freed() {
+        let handle = TABLE.insert(Box::new((0, 0))).unwrap();
+        let broken = TABLE.with(handle, |_| -> Result<(), Failure> { panic!("on purpose") }).unwrap_err();
+        assert_eq!(broken.status, VESPER_ERROR_PANIC);
+        assert!(broken.text.ends_with("panicked: on purpose"), "{}", broken.text);
+        let after = TABLE.with(handle, |_| Ok(())).unwrap_err();
+        assert_eq!(after.text, "an earlier call left this box half done when it panicked: free it");
+        assert!(TABLE.remove(handle).is_ok());
+        assert_eq!(TABLE.with(handle, |_| Ok(())).unwrap_err().status, VESPER_ERROR_HANDLE);
+    }
+}
