@@ -143,7 +143,7 @@ functions! {
             // SAFETY: as the header says.
             let engine = unsafe { place(engine, EngineId { id: 0 }, "the place for the engine") };
             let assembly = ASSEMBLIES.remove(builder.id)?;
-            engine?.id = ENGINES.insert(Held::new(assembly.build()?))?;
+            engine?.id = ENGINES.insert(Held::new((*assembly).build()?))?;
             Ok(())
         })
     }
