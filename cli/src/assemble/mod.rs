@@ -36,8 +36,16 @@ pub fn engine<P: CatalogPrecision>(scene: &Scene) -> Result<Engine<P>, Vec<Scene
 /// # Errors
 /// What the scene's names do not mean, and values that do not fit them, in the order of its text.
 pub fn builder<P: CatalogPrecision>(scene: &Scene) -> Result<Builder<P>, Vec<SceneFault>> {
+    extended(scene, Engine::builder())
+}
+
+/// What a scene says, added to a builder that may have something already.
+///
+/// # Errors
+/// As [`builder`].
+pub fn extended<P: CatalogPrecision>(scene: &Scene, builder: Builder<P>) -> Result<Builder<P>, Vec<SceneFault>> {
     let mut notes = Notes::of(scene);
-    let builder = notes.builder::<P>();
+    let builder = notes.builder(builder);
     if notes.count() == 0 { Ok(builder) } else { Err(notes.into_faults()) }
 }
 
@@ -45,7 +53,7 @@ pub fn builder<P: CatalogPrecision>(scene: &Scene) -> Result<Builder<P>, Vec<Sce
 /// an engine, so also where parts of the scene could not be read. Its modules may come from where `modules` says.
 pub fn names(scene: &Scene, modules: &Modules) -> Vec<(Span, SceneFault)> {
     let mut notes = Notes { modules, ..Notes::of(scene) };
-    _ = notes.builder::<f64>();
+    _ = notes.builder::<f64>(Engine::builder());
     notes.faults
 }
 
@@ -145,14 +153,14 @@ impl Notes<'_> {
         self.faults.into_iter().map(|(_, fault)| fault).collect()
     }
 
-    /// The builder of what is right of the scene.
-    fn builder<P: CatalogPrecision>(&mut self) -> Builder<P> {
+    /// Adds to a builder what is right of the scene.
+    fn builder<P: CatalogPrecision>(&mut self, builder: Builder<P>) -> Builder<P> {
         let scene = self.scene;
         let mut constants = Domain::new(vesper::domain::SCENE);
         for constant in &scene.constants {
             constants = self.constant(constants, constant);
         }
-        let mut builder = Engine::<P>::builder().domain(constants);
+        let mut builder = builder.domain(constants);
         for data in &scene.domains {
             let mut domain = Domain::new(&data.name.value);
             if let Some(rows) = data.rows() {
@@ -382,7 +390,9 @@ impl Notes<'_> {
         if engine.moving_origin.as_ref().is_some_and(|moving| moving.value) {
             builder = builder.moving_origin(Position);
         }
-        if let Some(backend) = self.backend(engine.backend.as_ref()) {
+        if engine.backend.is_some()
+            && let Some(backend) = self.backend(engine.backend.as_ref())
+        {
             builder = builder.backend(backend);
         }
         match &engine.threads {

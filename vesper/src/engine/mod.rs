@@ -13,6 +13,7 @@ mod foreign;
 mod late;
 mod lent;
 mod machine;
+mod observe;
 mod origin;
 mod stable;
 

@@ -1,0 +1,135 @@
+//! An engine of one precision, asked by names.
+
+use super::lending::LentColumn;
+use super::{NumberType, Trouble, View, names};
+use vesper::prelude::*;
+use vesper_cli::assemble::properties;
+use vesper_cli::output::checkpoint;
+
+/// Something that an engine can say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Words {
+    /// Which laws run, which do not, and why; what nobody uses.
+    Report,
+    /// The order of the laws, merged passes, and what moves where.
+    Explain,
+    /// The same graph in the language of Graphviz.
+    Dot,
+    /// The complete state, to go on from.
+    Checkpoint,
+}
+
+/// An engine that runs, and the memory that was lent to it.
+#[derive(Debug)]
+pub struct Run<P: Precision> {
+    pub(super) engine: Engine<P>,
+    pub(super) lent: Vec<LentColumn<P>>,
+}
+
+/// A fault of a step.
+#[cold]
+fn in_step(faults: Faults) -> Trouble {
+    Trouble::Run(faults.to_string())
+}
+
+impl<P: Precision> Run<P> {
+    pub(super) fn new(engine: Engine<P>, lent: Vec<LentColumn<P>>) -> Self {
+        Run { engine, lent }
+    }
+
+    /// The engine itself, for whoever speaks Rust.
+    pub fn engine(&self) -> &Engine<P> {
+        &self.engine
+    }
+
+    #[inline]
+    pub(super) fn step(&mut self, count: u64, step: f64) -> Result<(), Trouble> {
+        self.engine.steps_of(count, step).map_err(in_step)
+    }
+
+    #[inline]
+    pub(super) fn advance(&mut self, frame: f64) -> Result<(), Trouble> {
+        self.engine.advance(frame).map_err(in_step)
+    }
+
+    pub(super) fn time(&self) -> f64 {
+        self.engine.time()
+    }
+
+    pub(super) fn steps(&self) -> u64 {
+        self.engine.steps()
+    }
+
+    pub(super) fn number_type() -> NumberType {
+        if size_of::<P>() == 4 { NumberType::F32 } else { NumberType::F64 }
+    }
+
+    pub(super) fn lent(&self, domain: &str, property: &str) -> Option<&LentColumn<P>> {
+        self.lent.iter().find(|lent| lent.domain == domain && lent.property == property)
+    }
+
+    pub(super) fn column(&self, domain: &str, property: &str) -> Result<View, Trouble> {
+        let column = self.engine.state().column(domain, property)?;
+        let (rows, width) = (column.len(), column.property().kind.width());
+        let view = if let Some((_, arity, links)) = column.links() {
+            View::interleaved(links.as_ptr().cast_mut(), rows, arity, NumberType::Rows)
+        } else if let Some(lent) = self.lent(domain, property) {
+            let start = lent.memory.look(<[P]>::as_ptr).cast_mut();
+            View::interleaved(start, rows, width, Self::number_type())
+        } else {
+            let components = column.components().unwrap_or_default();
+            View::split(components.iter().map(|c| c.as_ptr().cast_mut()), rows, Self::number_type())
+        };
+        Ok(view.of_rows(column.subset()))
+    }
+
+    pub(super) fn column_to_change(&mut self, domain: &str, property: &str) -> Result<View, Trouble> {
+        let look = self.column(domain, property)?;
+        if look.numbers == NumberType::Rows {
+            let text =
+                format!("{domain}.{property} is a link, which is not changed in place: remove rows and add others");
+            return Err(Trouble::fault(text));
+        }
+        let column = self.engine.state_mut().column_mut(domain, property)?;
+        let split = column.components_mut().map(|mut components| {
+            let starts = components.iter_mut().map(|component| component.as_mut_ptr());
+            View::split(starts, look.rows, look.numbers)
+        });
+        let lent = || {
+            let start = self.lent(domain, property)?.memory.change(<[P]>::as_mut_ptr);
+            Some(View::interleaved(start, look.rows, look.width, look.numbers))
+        };
+        Ok(View { subset: look.subset, ..split.or_else(lent).unwrap_or(look) })
+    }
+
+    pub(super) fn enable(&mut self, law: &str, enabled: bool) -> Result<(), Trouble> {
+        Ok(self.engine.enable(law, enabled)?)
+    }
+
+    pub(super) fn observe(&mut self, domain: &str, property: &str) -> Result<(), Trouble> {
+        let (name, _) = names::apart(property)?;
+        let info = properties::known(name).map_or_else(|| properties::unknown(name, 1, None), Ok);
+        Ok(self.engine.observe_also(domain, info.map_err(Trouble::fault)?)?)
+    }
+
+    pub(super) fn words(&mut self, words: Words) -> Result<String, Trouble> {
+        Ok(match words {
+            Words::Report => self.engine.refresh()?.to_string(),
+            Words::Explain => {
+                self.engine.refresh()?;
+                self.engine.explain()
+            }
+            Words::Dot => {
+                self.engine.refresh()?;
+                self.engine.to_dot()
+            }
+            Words::Checkpoint => checkpoint::to_json(&self.engine.checkpoint()?).to_string(),
+        })
+    }
+
+    pub(super) fn restore(&mut self, text: &str) -> Result<(), Trouble> {
+        let checkpoint = checkpoint::from_text(text)
+            .map_err(|reason| Trouble::fault(format!("the checkpoint cannot be read: {reason}")))?;
+        Ok(self.engine.restore(&checkpoint)?)
+    }
+}
