@@ -28,6 +28,13 @@ impl Modules {
         Modules { path: LawPath::new(folders).and_environment(), files }
     }
 
+    /// The same, with a folder before the others.
+    #[must_use]
+    pub fn and(&self, folder: &Path) -> Self {
+        let folders = core::iter::once(folder.to_owned()).chain(self.path.folders().iter().cloned());
+        Modules { path: LawPath::new(folders), files: self.files }
+    }
+
     /// The module of a name; or, where scenes may name files, at a path from the scene's folder.
     ///
     /// # Errors

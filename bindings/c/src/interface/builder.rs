@@ -116,6 +116,13 @@ functions! {
         })
     }
 
+    /// A folder of modules of laws.
+    fn vesper_builder_laws_from(builder: BuilderId, folder: *const c_char) -> Status {
+        // SAFETY: as the header says.
+        let read = || unsafe { text(folder, "the folder") };
+        described(builder, read, |assembly, folder| assembly.laws_from(std::path::Path::new(folder)))
+    }
+
     /// A law.
     fn vesper_builder_law(builder: BuilderId, law: *const c_char, parameters: *const c_char) -> Status {
         // SAFETY: as the header says.

@@ -105,7 +105,16 @@ impl Assembly {
         noted!(self, draft => draft.link(domain, property, target, rows))
     }
 
-    /// A stock law by its name, with what stands behind it in a scene, `softening = 1e3, domain = 'stars'`. Domains come first.
+    /// A folder in which modules of laws are looked for, before those of `VESPER_LAW_PATH`; it comes before laws that need it. Code of a
+    /// module runs in this process: whoever put it there is trusted.
+    ///
+    /// # Errors
+    /// There is no such folder.
+    pub fn laws_from(&mut self, folder: &Path) -> Result<(), Trouble> {
+        noted!(self, draft => draft.laws_from(folder))
+    }
+
+    /// A stock law by its name, or one of a module, with what stands behind it in a scene, `softening = 1e3, domain = 'stars'`. Domains come first.
     ///
     /// # Errors
     /// No law has this name, or no parameter has one of these.

@@ -14,6 +14,7 @@ use vesper::error::nearest;
 use vesper::prelude::*;
 use vesper::registry::Status;
 use vesper_cli::assemble::{self, properties};
+use vesper_cli::modules::Modules;
 use vesper_cli::scene::Scene;
 
 /// One domain so far.
@@ -51,13 +52,22 @@ pub(super) struct Draft<P: Precision> {
     /// The whole scene among them.
     whole: Option<usize>,
     lent: Vec<LentColumn<P>>,
+    /// Where modules of laws may come from.
+    modules: Modules,
     faults: Vec<String>,
 }
 
 impl<P: Precision> Draft<P> {
     pub(super) fn new() -> Self {
         let parts = vec![Part::new(SCENE, 1)];
-        Draft { parts, scenes: Vec::new(), whole: None, lent: Vec::new(), faults: Vec::new() }
+        Draft {
+            parts,
+            scenes: Vec::new(),
+            whole: None,
+            lent: Vec::new(),
+            modules: Modules::default(),
+            faults: Vec::new(),
+        }
     }
 
     /// Runs a call, and keeps what is wrong with it.
@@ -178,8 +188,16 @@ impl<P: Precision> Draft<P> {
         Ok(())
     }
 
+    pub(super) fn laws_from(&mut self, folder: &Path) -> Result<(), Trouble> {
+        if !folder.is_dir() {
+            return Err(Trouble::fault(format!("there is no folder {} with modules of laws", folder.display())));
+        }
+        self.modules = self.modules.and(folder);
+        Ok(())
+    }
+
     pub(super) fn law(&mut self, name: &str, text: &str) -> Result<(), Trouble> {
-        let scene = texts::law::<P>(name, text, &self.domains())?;
+        let scene = texts::law::<P>(name, text, &self.domains(), &self.modules)?;
         self.scenes.push(scene);
         Ok(())
     }
@@ -194,7 +212,7 @@ impl<P: Precision> Draft<P> {
         if self.whole.is_some() {
             return Err(Trouble::fault("a scene is given twice: keep one, and give the rest in pieces"));
         }
-        let scene = texts::scene::<P>(text, folder)?;
+        let scene = texts::scene::<P>(text, folder, &self.modules)?;
         let known = self.domains();
         let twice = scene.domains.iter().find(|domain| known.contains(&domain.name.value.as_str()));
         if let Some(domain) = twice {

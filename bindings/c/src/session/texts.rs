@@ -6,38 +6,51 @@
 use super::Trouble;
 use std::path::Path;
 use vesper_cli::assemble;
-use vesper_cli::scene::{EngineSettings, Precision as Spoken, Scene, SceneFault, Span};
+use vesper_cli::modules::Modules;
+use vesper_cli::scene::{EngineSettings, Precision as Spoken, Scene};
 
 /// A whole scene, for an engine of this precision.
-pub(super) fn scene<P: vesper::prelude::Precision>(text: &str, folder: &Path) -> Result<Scene, Trouble> {
-    let scene = Scene::from_text_and("scene", text, folder, &[], names)?;
+pub(super) fn scene<P: vesper::prelude::Precision>(
+    text: &str,
+    folder: &Path,
+    modules: &Modules,
+) -> Result<Scene, Trouble> {
+    let mut scene = Scene::from_text_and("scene", text, folder, &[], |scene| assemble::names(scene, modules))?;
+    scene.modules = modules.clone();
     same_precision::<P>(&scene)?;
     Ok(scene)
 }
 
 /// One law: its name, and what stands behind it in a scene, `softening = 1e3, domain = 'stars'`.
-pub(super) fn law<P: vesper::prelude::Precision>(name: &str, text: &str, domains: &[&str]) -> Result<Scene, Trouble> {
+pub(super) fn law<P: vesper::prelude::Precision>(
+    name: &str,
+    text: &str,
+    domains: &[&str],
+    modules: &Modules,
+) -> Result<Scene, Trouble> {
     let behind = if text.trim().is_empty() { String::new() } else { format!(", {text}") };
     let line = format!("laws = [{{ name = {}{behind} }}]", quoted(name));
     let alone = |scene: &Scene| scene.laws.len() == 1 && scene.engine == EngineSettings::default();
-    piece::<P>(&format!("law {name}"), &line, domains, alone)
+    piece::<P>(&format!("law {name}"), &line, (domains, modules), alone)
 }
 
 /// What section `[engine]` of a scene says, `integrator = 'leapfrog', step = 1e-3`.
 pub(super) fn settings<P: vesper::prelude::Precision>(text: &str, domains: &[&str]) -> Result<Scene, Trouble> {
     let line = format!("engine = {{ {text} }}");
-    piece::<P>("settings", &line, domains, |scene| scene.laws.is_empty())
+    piece::<P>("settings", &line, (domains, &Modules::default()), |scene| scene.laws.is_empty())
 }
 
-/// Reads a piece, beside domains that are known elsewhere.
+/// Reads a piece, beside domains that are known elsewhere, with laws of these modules.
 fn piece<P: vesper::prelude::Precision>(
     file: &str,
     line: &str,
-    domains: &[&str],
+    (domains, modules): (&[&str], &Modules),
     alone: impl Fn(&Scene) -> bool,
 ) -> Result<Scene, Trouble> {
     let named: String = domains.iter().map(|name| format!("\n[domains.{}]", quoted(name))).collect();
+    let names = |scene: &Scene| assemble::names(scene, modules);
     let mut scene = Scene::from_text_and(file, &format!("{line}{named}\n"), Path::new(""), &[], names)?;
+    scene.modules = modules.clone();
     let rest = scene.constants.len() + scene.fields.len() + scene.generate.len();
     let columns = scene.domains.iter().any(|domain| !domain.columns.is_empty() || domain.labels.is_some());
     let other = rest > 0 || columns || scene.domains.len() != domains.len();
@@ -48,11 +61,6 @@ fn piece<P: vesper::prelude::Precision>(
     scene.domains.clear();
     same_precision::<P>(&scene)?;
     Ok(scene)
-}
-
-/// What the names of a piece do not mean.
-fn names(scene: &Scene) -> Vec<(Span, SceneFault)> {
-    assemble::names(scene, &scene.modules)
 }
 
 fn same_precision<P: vesper::prelude::Precision>(scene: &Scene) -> Result<(), Trouble> {

@@ -48,7 +48,8 @@ fn engine(name: &str, body: &str) -> Result<Engine<f64>, Faults> {
 
 #[test]
 fn a_law_that_fails_is_switched_off_and_all_else_goes_on() {
-    let body = "if (mass[0] == 1.0 && call->end == 3) { host->log(host->context, VESPER_ERROR, \"no air\"); return 7; }";
+    let body =
+        "if (mass[0] == 1.0 && call->end == 3) { host->log(host->context, VESPER_ERROR, \"no air\"); return 7; }";
     let mut engine = engine("fails", body).unwrap();
     let fault = engine.advance(0.1).unwrap_err();
     assert_eq!(
