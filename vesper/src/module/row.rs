@@ -75,8 +75,11 @@ impl Rows {
         Rows { law, way }
     }
 
+    /// Not in one function with calls that need no desk: its stack would be touched page by page in each of them.
+    ///
     /// # Safety
     /// As for [`RowKernel::run`].
+    #[inline(never)]
     unsafe fn over_desk<P: Scalar, Q: Scalar>(&self, call: &RowCall<'_, P>) {
         let mut desk = Desk::<Q>::new();
         let mut from = 0;
@@ -212,6 +215,7 @@ impl Rows {
 
     /// # Safety
     /// As for [`RowKernel::run`].
+    #[inline(never)]
     unsafe fn energy_of<P: Scalar, Q: Scalar>(&self, call: &RowCall<'_, P>) -> f64 {
         let mut desk = Desk::<Q>::new();
         let mut sum = 0.0;
