@@ -270,13 +270,15 @@ impl<P: Scalar> RowKernel<P> for Rows {
             let first = if call.first { abi::FIRST } else { 0 };
             let advance = if call.advance.is_some() { abi::ADVANCE } else { 0 };
             let drift = if call.drift.is_some() { abi::DRIFT } else { 0 };
+            // With few rows there is nothing to fetch ahead, and to copy what was just written takes as long as such a call.
+            let ahead = if call.rows > DESK { call.ahead.map(<*const P>::cast) } else { [core::ptr::null(); 2] };
             let native = abi::Native {
                 part,
                 flags: first | advance | drift,
                 uniform: call.uniform,
                 advance: call.advance.map_or(0.0, Scalar::to_f64),
                 drift: call.drift.map_or(0.0, Scalar::to_f64),
-                ahead: call.ahead.map(<*const P>::cast),
+                ahead,
                 ..native(isa)
             };
             // SAFETY: the caller promises the slots, and nobody else touches their rows.
