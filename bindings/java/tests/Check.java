@@ -2,12 +2,12 @@ import vesper.VesperException;
 
 /** What the tests ask: that something holds, or is refused in these words. */
 final class Check {
-    private static int checks;
+    private static final java.util.concurrent.atomic.AtomicInteger CHECKS = new java.util.concurrent.atomic.AtomicInteger();
 
     private Check() {}
 
     static void that(boolean holds, String what) {
-        checks++;
+        CHECKS.incrementAndGet();
         if (!holds) {
             throw new AssertionError(what);
         }
@@ -30,6 +30,6 @@ final class Check {
     }
 
     static void done(String test) {
-        System.out.println(test + ": " + checks + " checks hold");
+        System.out.println(test + ": " + CHECKS + " checks hold");
     }
 }
