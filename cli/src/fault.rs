@@ -62,6 +62,22 @@ impl SceneFault {
             help: None,
         }
     }
+
+    /// A fault of an argument, at `piece` of its text; at the whole of it where `piece` is no part of it.
+    pub fn of_argument(
+        option: &str,
+        argument: &str,
+        piece: &str,
+        text: impl Into<String>,
+        help: Option<String>,
+    ) -> Self {
+        let start = (piece.as_ptr() as usize).checked_sub(argument.as_ptr() as usize);
+        let start = start.filter(|start| start + piece.len() <= argument.len());
+        let (start, piece) = start.map_or((0, argument), |start| (start, piece));
+        let mut sources = Sources::default();
+        let base = sources.add(format!("{option} {argument}"), argument, false);
+        sources.fault(Span { start: base + start, end: base + start + piece.len() }, text, help)
+    }
 }
 
 /// Lines longer than this are cut around the caret: a column of numbers may be one line of a megabyte.

@@ -5,15 +5,18 @@
 //!
 //! The way of the data: [`scene`] (with [`csv`], [`generate`], [`fault`]) reads a file -> [`assemble`] makes an engine of
 //! it -> [`run`] takes it to its end -> [`output`] says, saves and draws what came of it; [`study`] holds integrators
-//! against known answers (with [`reader`]); [`command`] is the words of the command line for all this.
+//! against known answers (with [`reader`]); [`sweep`] runs a scene with many values; [`command`] is the words of the command
+//! line for all this.
 
 pub mod assemble;
 pub mod command;
 pub mod csv;
 pub mod fault;
 pub mod generate;
+pub mod modules;
 pub mod output;
 pub mod reader;
 pub mod run;
 pub mod scene;
 pub mod study;
+pub mod sweep;

@@ -265,6 +265,16 @@ pub enum Fault {
     FarField { law: String, reason: String },
     #[error("the checkpoint does not fit: {reason}")]
     Checkpoint { reason: String },
+    #[error("module {module}: {reason}")]
+    Module { module: String, reason: String },
+    #[error("{law}: {reason}")]
+    Parameter { law: String, reason: String },
+    #[error("{law} cannot be made: {reason}")]
+    LawNotMade { law: String, reason: String },
+    #[error(
+        "{law} failed and is switched off: {reason}; all else goes on without it. Mend it, and build the engine again"
+    )]
+    LawFailed { law: String, reason: String },
 }
 
 /// What a law of pairs may say of its body.

@@ -80,7 +80,7 @@
 //!
 //! Lowest layer first; a module imports only from those before it, which a test holds:
 //! [`dimension`], [`error`], [`real`], [`mod@property`], [`mod@column`], [`domain`], [`field`], [`state`], [`law`],
-//! [`mod@registry`], `graph`, [`backend`], [`integrate`], [`mod@pipeline`], [`engine`], [`prelude`].
+//! [`mod@registry`], `graph`, [`backend`], `module`, [`integrate`], [`mod@pipeline`], [`engine`], [`prelude`].
 //!
 //! [`domain::Domain`]s become a [`state::State`]; the [`mod@registry`] ties every law's [`law::Signature`] to it; the graph
 //! orders them; a [`mod@pipeline`] evaluates them, as often as an [`integrate::Integrator`] asks; an [`engine::Engine`] cuts
@@ -100,6 +100,8 @@ pub mod field;
 mod graph;
 pub mod integrate;
 pub mod law;
+#[cfg(feature = "modules")]
+pub mod module;
 pub mod pipeline;
 pub mod prelude;
 pub mod property;

@@ -66,7 +66,7 @@ fn print(what: &str, mut rust: Vec<f64>, mut c: Vec<f64>) {
 /// The least times of one pair of engines: in Rust and through C a step, a frame, and a frame with nothing to do.
 fn race(turn: usize) -> Result<[f64; 6], Faults> {
     // In either order, and elsewhere each time.
-    let first = (turn % 2 == 0).then(in_rust).transpose()?;
+    let first = turn.is_multiple_of(2).then(in_rust).transpose()?;
     core::mem::forget(vec![0_u8; turn * 7919 % 4099]);
     let handle = through_c(true);
     core::mem::forget(vec![0_u8; turn * 104_729 % 4099]);

@@ -155,8 +155,9 @@ vesper_status vesper_builder_lend(vesper_builder builder, const char *domain, co
 vesper_status vesper_builder_link(vesper_builder builder, const char *domain, const char *property, const char *target,
                                   const uint32_t *rows, size_t count);
 
-/* Adds a stock law (`vesper laws` lists them). `parameters` is null, or what stands behind the name in a scene:
- * "softening = 1e3", "g = 1, domain = 'stars', label = 'pull', every = 2". */
+/* Adds a stock law (`vesper laws` lists them), or one of a module of laws. `parameters` is null, or what stands behind the name in
+ * a scene: "softening = 1e3", "g = 1, domain = 'stars', label = 'pull', every = 2", "module = 'wings'". Modules are found by their
+ * names in the folders of the environment variable VESPER_LAW_PATH. */
 vesper_status vesper_builder_law(vesper_builder builder, const char *law, const char *parameters);
 
 /* Chooses what section [engine] of a scene chooses: "step = 1e-3, threads = 2, strict = true, observe = ['bodies.force']",

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use support::*;
 
 static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
+static FREED: AtomicU64 = AtomicU64::new(0);
 
 /// The system's allocator, which counts what all threads ask of it.
 struct Counting;
@@ -22,10 +23,12 @@ unsafe impl GlobalAlloc for Counting {
     }
     unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        FREED.fetch_add(1, Ordering::Relaxed);
         // SAFETY: passed on from the caller.
         unsafe { System.realloc(memory, layout, size) }
     }
     unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
+        FREED.fetch_add(1, Ordering::Relaxed);
         // SAFETY: passed on from the caller.
         unsafe { System.dealloc(memory, layout) }
     }
@@ -38,6 +41,38 @@ const ROWS: usize = 1_000_000;
 
 /// One test, so that no other one allocates meanwhile.
 #[test]
+fn memory_is_counted() {
+    a_million_lent_rows_take_no_copy_and_no_memory();
+    nothing_is_left_of_what_was_freed_or_refused();
+}
+
+/// Builds that succeed, that fail, and that have no place for their engine.
+fn nothing_is_left_of_what_was_freed_or_refused() {
+    let build = |column: &[f64], place: *mut EngineId| {
+        let builder = builder(VESPER_F64);
+        ok(domain(builder, c"bodies", 1));
+        _ = support::column(builder, c"bodies", c"position", column);
+        ok(support::column(builder, c"bodies", c"velocity", &[0.0; 3]));
+        ok(law(builder, c"kinematics", c""));
+        // SAFETY: the place is a variable, or null.
+        unsafe { vesper_builder_build(builder, place) }
+    };
+    let round = || {
+        let mut engine = EngineId { id: 0 };
+        assert_eq!(build(&[0.0; 3], &raw mut engine), VESPER_OK);
+        ok(step(engine, 2, 0.1));
+        text(engine, VESPER_CHECKPOINT);
+        ok(free(engine));
+        assert_eq!(build(&[0.0; 2], &raw mut engine), VESPER_ERROR_FAULT);
+        assert_eq!(build(&[0.0; 3], ptr::null_mut()), VESPER_ERROR_ARGUMENT);
+    };
+    let live = || ALLOCATIONS.load(Ordering::Relaxed) - FREED.load(Ordering::Relaxed);
+    (0..3).for_each(|_| round());
+    let before = live();
+    (0..50).for_each(|_| round());
+    assert_eq!(live(), before);
+}
+
 fn a_million_lent_rows_take_no_copy_and_no_memory() {
     let mut position = vec![0.0; ROWS * 3];
     let mut velocity = vec![4.0; ROWS * 3];

@@ -1,36 +1,82 @@
-//! The laws of a scene, against the stock laws.
+//! The laws of a scene, against the stock laws, and those of modules.
 //!
 //! In: a law's entry. Out: its kernels and options, or faults at the place of the mistake. Never: whether its properties
 //! exist; the library's registry tells.
 
-use vesper::backend::Compiled;
-use vesper::law::Parameter;
+use vesper::backend::{Compile, Compiled};
+use vesper::law::{Parameter, Signature};
+use vesper::module::ModuleLaw;
 use vesper::registry::Options;
 use vesper_dimension::Unit;
 use vesper_laws::catalog::{CatalogPrecision, StockLaw, stock_law, stock_laws};
 
 use super::Notes;
-use crate::fault::{Spanned, help_for, nearest};
+use crate::fault::{Span, Spanned, help_for, nearest};
 use crate::scene::{BackendChoice, LawRequest, Parameter as Given};
+
+/// A law by its name.
+#[derive(Clone, Debug)]
+pub(super) enum Found {
+    Stock(&'static StockLaw),
+    Module(ModuleLaw),
+}
+
+impl Found {
+    pub(super) fn signature(&self) -> &'static Signature {
+        match self {
+            Found::Stock(law) => &law.signature,
+            Found::Module(law) => law.signature(),
+        }
+    }
+
+    fn compile<P: CatalogPrecision>(&self, values: &[f64]) -> Compiled<P> {
+        match self {
+            Found::Stock(law) => law.compile(values),
+            // As many as its signature has.
+            Found::Module(law) => law.clone().with_all(values).as_ref().unwrap_or(law).compile(),
+        }
+    }
+}
+
+/// Why there is no law that an entry names: where, a text, and what to do.
+type NotFound = (Span, String, Option<String>);
+
+/// The law that an entry names.
+pub(super) fn find(notes: &Notes<'_>, request: &LawRequest) -> Result<Found, NotFound> {
+    let name = &request.name.value;
+    let Some(module) = &request.module else {
+        return stock_law(name).map(Found::Stock).ok_or_else(|| {
+            let known = stock_laws().iter().map(|law| law.signature.name);
+            let has = |module: &vesper::module::Module| module.signatures().any(|law| law.name == name);
+            let modules = notes.modules.all();
+            let elsewhere = modules.iter().find(|(_, module)| module.as_ref().is_ok_and(|module| has(module)));
+            let help = match (elsewhere, nearest(name, known)) {
+                (Some((module, _)), _) => format!("module {module} has it: write `module = \"{module}\"` too"),
+                (None, Some(near)) => format!("did you mean `{near}`?"),
+                (None, None) => "`vesper laws` lists them".to_owned(),
+            };
+            (request.name.span, format!("no law is named `{name}`"), Some(help))
+        });
+    };
+    let found = notes.modules.module(&module.value, &notes.scene.folder);
+    let opened = found.map_err(|reason| (module.span, format!("module `{}`: {reason}", module.value), None))?;
+    opened.law(name).map(Found::Module).map_err(|fault| (request.name.span, fault.to_string(), None))
+}
 
 /// A law and how it is used.
 pub(super) fn law<P: CatalogPrecision>(notes: &mut Notes<'_>, request: &LawRequest) -> Option<(Compiled<P>, Options)> {
-    let found = stock_law(&request.name.value);
-    if found.is_none() {
-        let known = stock_laws().iter().map(|law| law.signature.name);
-        let help = match nearest(&request.name.value, known) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => "`vesper laws` lists them".to_owned(),
-        };
-        notes.fault(request.name.span, format!("no law is named `{}`", request.name.value), Some(help));
+    let found = find(notes, request);
+    if let Err((span, text, help)) = &found {
+        notes.fault(*span, text.clone(), help.clone());
     }
     let backend = notes.backend(request.backend.as_ref());
     let every = request.every.as_ref().map_or(Some(1), |every| match u32::try_from(every.value) {
         Ok(steps) => Some(steps),
         Err(_) => notes.wrong(every.span, format!("expected at most {} steps, found {}", u32::MAX, every.value)),
     });
-    let law = found?;
-    let values = parameters(notes, request, law);
+    let law = found.ok()?;
+    let values = parameters(notes, request, law.signature());
+    same_as_then(notes, request, law.signature());
     let options = Options {
         domain: request.domain.as_ref().map(|domain| domain.value.clone()),
         label: request.label.as_ref().map(|label| label.value.clone()),
@@ -43,15 +89,30 @@ pub(super) fn law<P: CatalogPrecision>(notes: &mut Notes<'_>, request: &LawReque
     Some((law.compile::<P>(&values?), options))
 }
 
+/// A law that was another one when the scene was written is refused.
+fn same_as_then(notes: &mut Notes<'_>, request: &LawRequest, law: &Signature) {
+    let Some(then) = &request.fingerprint else { return };
+    let now = format!("{:016x}", law.fingerprint());
+    if then.value != now {
+        let help =
+            format!("if that is right, write {now}; it says now: {}", law.declaration().trim_end().replace('\n', "; "));
+        notes.fault(
+            then.span,
+            format!("law `{}` is not the one that had the fingerprint {}", law.name, then.value),
+            Some(help),
+        );
+    }
+}
+
 /// The components of all parameters in declared order.
-fn parameters(notes: &mut Notes<'_>, request: &LawRequest, law: &StockLaw) -> Option<Vec<f64>> {
-    let name = law.signature.name;
+fn parameters(notes: &mut Notes<'_>, request: &LawRequest, law: &Signature) -> Option<Vec<f64>> {
+    let name = law.name;
     let before = notes.count();
     for (index, given) in request.parameters.iter().enumerate() {
-        let known = || law.signature.parameters.iter().map(|parameter| parameter.name);
+        let known = || law.parameters.iter().map(|parameter| parameter.name);
         if !known().any(|known| known == given.name.value) {
-            let own = ["domain", "label", "backend", "every", "enabled", "far_field"];
-            let help = match law.signature.parameters.len() {
+            let own = ["module", "fingerprint", "domain", "label", "backend", "every", "enabled", "far_field"];
+            let help = match law.parameters.len() {
                 0 => Some(format!("`{name}` has no parameters")),
                 _ => help_for(&given.name.value, known().chain(own)),
             };
@@ -62,7 +123,7 @@ fn parameters(notes: &mut Notes<'_>, request: &LawRequest, law: &StockLaw) -> Op
         }
     }
     let mut values = Vec::new();
-    for parameter in law.signature.parameters {
+    for parameter in law.parameters {
         let given = request.parameters.iter().find(|given| given.name.value == parameter.name);
         match (given, parameter.default) {
             (Some(given), _) => values.extend(value(notes, given, parameter)),

@@ -9,11 +9,13 @@ mod places;
 pub mod properties;
 
 use vesper::field;
+use vesper::law::Signature;
 use vesper::prelude::*;
 use vesper::registry::Backend;
 use vesper_laws::catalog::CatalogPrecision;
 
 use crate::fault::{SceneFault, Span, Spanned, help_for};
+use crate::modules::Modules;
 use crate::scene::{BackendChoice, ColumnData, DomainData, FieldData, FieldShape, Parameter, Scene};
 use integrators::NamedIntegrator;
 use laws::factor;
@@ -42,15 +44,15 @@ pub fn builder<P: CatalogPrecision>(scene: &Scene) -> Result<Builder<P>, Vec<Sce
 /// # Errors
 /// As [`builder`].
 pub fn extended<P: CatalogPrecision>(scene: &Scene, builder: Builder<P>) -> Result<Builder<P>, Vec<SceneFault>> {
-    let mut notes = Notes { scene, faults: Vec::new() };
+    let mut notes = Notes::of(scene);
     let builder = notes.builder(builder);
     if notes.count() == 0 { Ok(builder) } else { Err(notes.into_faults()) }
 }
 
 /// What a scene's names do not mean, and values that do not fit them, each with its place: all that can be found without
-/// an engine, so also where parts of the scene could not be read.
-pub fn names(scene: &Scene) -> Vec<(Span, SceneFault)> {
-    let mut notes = Notes { scene, faults: Vec::new() };
+/// an engine, so also where parts of the scene could not be read. Its modules may come from where `modules` says.
+pub fn names(scene: &Scene, modules: &Modules) -> Vec<(Span, SceneFault)> {
+    let mut notes = Notes { modules, ..Notes::of(scene) };
     _ = notes.builder::<f64>(Engine::builder());
     notes.faults
 }
@@ -58,7 +60,7 @@ pub fn names(scene: &Scene) -> Vec<(Span, SceneFault)> {
 /// Laws that sleep by mistake. A scene may list laws that lack their data; but where none runs at all nothing moves, and
 /// a name near the one that a law lacks, which no law knows, is most likely a slip.
 pub fn asleep(scene: &Scene, report: &Report) -> Vec<SceneFault> {
-    let mut notes = Notes { scene, faults: Vec::new() };
+    let mut notes = Notes::of(scene);
     let none_runs = !report.laws.iter().any(|law| matches!(law.status, Status::Active { .. }));
     for (law, why) in report.dormant() {
         let slip = |missing: &&vesper::registry::Missing| {
@@ -87,15 +89,36 @@ fn is_slip(scene: &Scene, name: &str) -> bool {
 
 /// Faults of a running engine, in the scene's words.
 pub fn run_faults(scene: &Scene, faults: &Faults) -> Vec<SceneFault> {
-    let mut notes = Notes { scene, faults: Vec::new() };
+    let mut notes = Notes::of(scene);
     faults.iter().for_each(|fault| notes.library_fault(fault));
     notes.into_faults()
+}
+
+/// What a law of the scene means by `name`.
+pub fn law_of(scene: &Scene, name: &str) -> Option<&'static Signature> {
+    let request = scene.laws.iter().find(|law| law.called() == name || law.name.value == name)?;
+    laws::find(&Notes::of(scene), request).ok().map(|law| law.signature())
 }
 
 /// The faults found so far.
 struct Notes<'s> {
     scene: &'s Scene,
+    modules: &'s Modules,
     faults: Vec<(Span, SceneFault)>,
+}
+
+impl<'s> Notes<'s> {
+    fn of(scene: &'s Scene) -> Self {
+        Notes { scene, modules: &scene.modules, faults: Vec::new() }
+    }
+
+    /// The property that is known by `name`: a standard one, or one that a stock law, or a law of the scene, declares.
+    fn known(&self, name: &str) -> Option<PropertyInfo> {
+        let of_modules = || self.scene.laws.iter().filter(|law| law.module.is_some());
+        let laws = || of_modules().filter_map(|law| laws::find(self, law).ok()).map(|law| law.signature());
+        let declared = || laws().flat_map(|law| law.ports.iter().map(|port| port.property).chain(law.link));
+        properties::known(name).or_else(|| declared().find(|property| property.name == name))
+    }
 }
 
 impl Notes<'_> {
@@ -166,7 +189,7 @@ impl Notes<'_> {
         unit: Option<&Spanned<String>>,
         span: Span,
     ) -> Option<PropertyInfo> {
-        let Some(property) = properties::known(name) else {
+        let Some(property) = self.known(name) else {
             let made = properties::unknown(name, width, unit.map(|unit| unit.value.as_str()));
             return made.map_err(|text| self.fault(span, text, None)).ok();
         };
@@ -197,7 +220,7 @@ impl Notes<'_> {
 
     fn column<P: CatalogPrecision>(&mut self, domain: Domain<P>, data: &DomainData, column: &ColumnData) -> Domain<P> {
         let name = column.name.value.as_str();
-        let known = properties::known(name);
+        let known = self.known(name);
         if let Some(target) = &column.link {
             return self.link(domain, data, column, known, target);
         }
@@ -267,7 +290,7 @@ impl Notes<'_> {
     fn field<P: CatalogPrecision>(&mut self, builder: Builder<P>, data: &FieldData) -> Builder<P> {
         let name = data.name.value.as_str();
         let unit = data.unit.as_ref().map(|unit| unit.value.as_str());
-        let property = match properties::known(name).map_or_else(|| properties::unknown(name, 3, unit), Ok) {
+        let property = match self.known(name).map_or_else(|| properties::unknown(name, 3, unit), Ok) {
             Ok(property) => property,
             Err(text) => {
                 self.fault(data.name.span, text, None);
@@ -385,7 +408,7 @@ impl Notes<'_> {
         }
         for entry in engine.observe.iter().flatten() {
             let Some((domain, name)) = entry.value.split_once('.') else { continue };
-            match properties::known(name).map_or_else(|| properties::unknown(name, 1, None), Ok) {
+            match self.known(name).map_or_else(|| properties::unknown(name, 1, None), Ok) {
                 Ok(property) => builder = builder.observe(domain, property),
                 Err(text) => self.fault(entry.span, text, None),
             }

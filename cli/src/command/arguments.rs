@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::assemble::integrators::INTEGRATORS;
+use crate::modules::Modules;
 use crate::scene::{OptionKind, Override};
 
 /// Runs scenes of physics, and says what they are made of.
@@ -61,6 +62,9 @@ apart. Each integrator goes from coarse to fine until it comes no nearer, or unt
 files of these names that are in DIR are overwritten. Errors are the largest over all times and rows, each quantity by its
 largest magnitude, or by the scale that a case gives.")]
     Study(Study),
+    /// Runs a scene with many values: an ensemble, in shards if it is large, with one table and one picture at the end
+    #[command(after_help = SWEEP, mut_arg("threads", |threads| threads.help("Threads of each run [default: 1]")))]
+    Sweep(Sweep),
     /// Prints the law graph of a scene: who runs, in which order, why, where, and who does not
     #[command(after_help = "Examples:
   vesper explain examples/scenes/solar-system.toml
@@ -73,8 +77,39 @@ largest magnitude, or by the scale that a case gives.")]
     Laws {
         /// The law; all where none is named.
         name: Option<String>,
+        /// A folder of law modules, which are listed too; may be given many times
+        #[arg(long = "laws", value_name = "DIR")]
+        folders: Vec<PathBuf>,
     },
 }
+
+/// What `vesper sweep --help` says behind the options.
+const SWEEP: &str = "Examples:
+  vesper sweep scene.toml --vary engine.step=0.001:0.1:20:log
+  vesper sweep scene.toml --vary engine.step=1e-3:1e-1:9:log --vary engine.integrator=[leapfrog,runge_kutta_4] --out results
+  vesper sweep scene.toml --vary domains.springs.stiffness.0=1:100:64 --measure bodies.position[0].x --out results --shard 2/4
+  vesper sweep --collect --out results
+
+--vary PATH=VALUES, where PATH is that of `vesper run --set`, and VALUES are
+  FIRST:LAST:COUNT       so many numbers at equal distances, both ends included
+  FIRST:LAST:COUNT:log   the same by equal factors
+  [V,V,..]               these: numbers, words, or anything that --set takes; vectors as [[0,0,-9.81],[0,0,-1.62]]
+Several --vary make every combination. Runs count from 1, and the last --vary changes fastest.
+
+--measure DOMAIN.PROPERTY[WHICH].COMPONENT is a number at the end of each run, in SI: WHICH is a row (its number from 0, or its
+label) or min, max, mean over all rows; COMPONENT is x, y, z, w or length, and a scalar has none. Quotes keep a shell's hands
+off the brackets: --measure 'bodies.velocity[max].length'
+
+--out DIR holds a file for each run (runs/NUMBER.json), manifest.json, and at the end table.csv and sweep.svg. What is there is
+not run again, so the same command goes on where it was stopped. A folder holds one sweep, and refuses another. Tables are the
+same, bit for bit, in one run or in shards, on any number of threads; the time that a run took is in its own file only.
+
+--shard K/N makes the runs K, K+N, K+2N and so on. Shards need nothing of each other but the folder, not even the same machine;
+the last one to end makes table and picture. As an array of Slurm:
+  #SBATCH --array=1-16
+  vesper sweep scene.toml --vary engine.step=1e-4:1e-1:64:log --shard $SLURM_ARRAY_TASK_ID/16 --out results
+
+A run that fails leaves its reason, and stops no other; then the exit status is 3.";
 
 fn integrators() -> String {
     let names: Vec<&str> = INTEGRATORS.iter().map(|known| known.name).collect();
@@ -86,6 +121,14 @@ fn integrators() -> String {
 pub struct SceneArguments {
     /// The scene file
     pub scene: PathBuf,
+    /// Changes of it.
+    #[command(flatten)]
+    pub settings: Settings,
+}
+
+/// How a scene is run, where that is not as it says.
+#[derive(Args, Debug)]
+pub struct Settings {
     // The list itself, so that the help knows all of them.
     #[arg(long, value_name = "NAME", help = integrators())]
     /// The integrator.
@@ -97,6 +140,9 @@ pub struct SceneArguments {
     #[cfg_attr(not(feature = "gpu"), arg(long, value_name = "auto|cpu|parallel"))]
     #[cfg_attr(feature = "gpu", arg(long, value_name = "auto|cpu|parallel|gpu|fastest"))]
     pub backend: Option<String>,
+    /// Modules of laws.
+    #[command(flatten)]
+    pub modules: ModuleArguments,
     /// Threads, strictness, single values.
     #[command(flatten)]
     pub changes: Changes,
@@ -114,6 +160,25 @@ pub struct Changes {
     /// Sets one value of the scene, as in engine.step=1e-3; may be given many times
     #[arg(long = "set", value_name = "PATH=VALUE", allow_hyphen_values = true)]
     pub set: Vec<String>,
+}
+
+/// Where the modules of a scene's laws may come from.
+#[derive(Args, Debug)]
+pub struct ModuleArguments {
+    /// A folder of law modules (`module = ".."` in scenes); may be given many times, and those of VESPER_LAW_PATH come after
+    // `vesper study --laws` was there first.
+    #[arg(long = "laws", value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+    /// Lets the scene name files of modules: their code runs with your rights
+    #[arg(long)]
+    pub allow_module_files: bool,
+}
+
+impl ModuleArguments {
+    /// Where modules may come from.
+    pub fn modules(&self) -> Modules {
+        Modules::new(&self.folders, self.allow_module_files)
+    }
 }
 
 /// `vesper run`.
@@ -188,6 +253,9 @@ pub struct Study {
     /// Switch off each law in turn, and tell what it does to the end, and what it costs
     #[arg(long, conflicts_with_all = ["integrators", "steps", "tolerances", "compensated", "fps", "resume"])]
     pub laws: bool,
+    /// A folder of law modules, as `--laws` of `vesper run`; may be given many times
+    #[arg(long, value_name = "DIR")]
+    pub laws_from: Vec<PathBuf>,
     /// What is compared, as DOMAIN.PROPERTY [default: all that the scene shows]
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
     pub of: Vec<String>,
@@ -209,6 +277,50 @@ pub struct Study {
     /// Take the runs of an earlier study.json as they are
     #[arg(long, value_name = "FILE")]
     pub resume: Option<PathBuf>,
+}
+
+/// `vesper sweep`.
+#[derive(Args, Debug)]
+pub struct Sweep {
+    /// The scene file; with --collect it may be left out
+    #[arg(required_unless_present = "collect", requires = "vary")]
+    pub scene: Option<PathBuf>,
+    /// What varies, as in engine.step=0.01:0.1:10; may be given many times
+    #[arg(long, value_name = "PATH=VALUES", allow_hyphen_values = true)]
+    pub vary: Vec<String>,
+    /// What is told of each run, as in bodies.position[0].z; may be given many times
+    #[arg(long, value_name = "WHAT", allow_hyphen_values = true)]
+    pub measure: Vec<String>,
+    /// Folder for the runs, the table and the picture; what is in it is not run again
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Only the K-th of N shares of the runs
+    #[arg(long, value_name = "K/N", requires = "out", allow_hyphen_values = true)]
+    pub shard: Option<String>,
+    /// Runs at the same time, each on one thread unless the scene or --threads says more [default: all cores]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub jobs: Option<String>,
+    /// Run again what failed
+    #[arg(long, requires = "out")]
+    pub retry: bool,
+    /// Only table and picture of the runs that are in the folder; all of them must be there
+    #[arg(long, requires = "out", conflicts_with_all = ["shard", "retry", "jobs"])]
+    pub collect: bool,
+    /// Time to stop at, in s
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub end: Option<String>,
+    /// Fixed step, in s
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub step: Option<String>,
+    /// Changes that all runs have.
+    #[command(flatten)]
+    pub settings: Settings,
+    /// Print one JSON object on standard output, and nothing else there
+    #[arg(long)]
+    pub json: bool,
+    /// No progress bar and no table
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 /// `vesper explain`.
@@ -233,7 +345,7 @@ impl Changes {
     }
 }
 
-impl SceneArguments {
+impl Settings {
     /// All changes of the scene, so that they are checked as the scene is; those of `--set` last.
     pub fn overrides(&self) -> Vec<Override> {
         use OptionKind::Word;
@@ -249,11 +361,16 @@ impl SceneArguments {
 impl Run {
     /// All changes of the scene.
     pub fn overrides(&self) -> Vec<Override> {
-        let times = [
-            option("--end", "end", self.end.as_ref(), OptionKind::Seconds),
-            option("--step", "step", self.step.as_ref(), OptionKind::Seconds),
-        ];
-        self.scene.overrides().into_iter().chain(times.into_iter().flatten()).collect()
+        let times = times(self.end.as_ref(), self.step.as_ref());
+        self.scene.settings.overrides().into_iter().chain(times).collect()
+    }
+}
+
+impl Sweep {
+    /// All changes of the scene, but for what varies.
+    pub fn overrides(&self) -> Vec<Override> {
+        let times = times(self.end.as_ref(), self.step.as_ref());
+        self.settings.overrides().into_iter().chain(times).collect()
     }
 }
 
@@ -263,6 +380,11 @@ impl Study {
         let end = option("--end", "end", self.end.as_ref(), OptionKind::Seconds);
         end.into_iter().chain(self.changes.overrides()).collect()
     }
+}
+
+fn times(end: Option<&String>, step: Option<&String>) -> impl Iterator<Item = Override> {
+    let times = [option("--end", "end", end, OptionKind::Seconds), option("--step", "step", step, OptionKind::Seconds)];
+    times.into_iter().flatten()
 }
 
 fn option(option: &'static str, key: &'static str, text: Option<&String>, kind: OptionKind) -> Option<Override> {

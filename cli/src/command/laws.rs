@@ -3,25 +3,61 @@
 use std::fmt::{self, Write};
 
 use vesper::law::{Mode, Parameter, Place, Port, Signature};
+use vesper::module::Module;
 use vesper_laws::catalog::{StockLaw, stock_law, stock_laws};
 
 use super::{Exit, say};
 use crate::fault::{SceneFault, help_for, number};
+use crate::modules::Modules;
 
-/// Lists all laws, or prints the one of this name.
-pub(super) fn laws(name: Option<&str>) -> Result<Exit, Vec<SceneFault>> {
+/// Lists all laws, stock ones and those of modules, or prints those of this name.
+pub(super) fn laws(name: Option<&str>, modules: &Modules) -> Result<Exit, Vec<SceneFault>> {
+    let modules = modules.all();
     let Some(name) = name else {
-        return Ok(say(&list()));
+        return Ok(say(&(list() + &in_modules(&modules))));
     };
-    let Some(law) = stock_law(name) else {
-        let help = help_for(name, stock_laws().iter().map(|law| law.signature.name));
+    let stock = stock_law(name).map(|law| (None, &law.signature));
+    let opened = modules.iter().filter_map(|(_, module)| module.as_ref().ok());
+    let of_modules = opened.flat_map(|module| module.signatures().map(|law| (Some(*module), law)));
+    let found: Vec<_> = stock.into_iter().chain(of_modules.filter(|(_, law)| law.name == name)).collect();
+    if found.is_empty() {
+        let all = modules.iter().filter_map(|(_, module)| module.as_ref().ok()).flat_map(|module| module.signatures());
+        let help = help_for(name, stock_laws().iter().map(|law| law.signature.name).chain(all.map(|law| law.name)));
         let fault = SceneFault { help, ..SceneFault::of_file("vesper laws", format!("no law is named `{name}`")) };
         return Err(vec![fault]);
-    };
+    }
     let mut text = String::new();
-    // Writing to a string cannot fail.
-    _ = describe(&mut text, &law.signature);
+    for (module, law) in found {
+        // Writing to a string cannot fail.
+        _ = describe(&mut text, law);
+        if let Some(module) = module {
+            _ = writeln!(text, "\nin module {} ({}), {}", module.name(), module.build(), module.path().display());
+            _ = writeln!(text, "fingerprint = \"{:016x}\"", law.fingerprint());
+        }
+    }
     Ok(say(&text))
+}
+
+/// What modules have, and why some of it cannot be used.
+fn in_modules(modules: &[(String, Result<&'static Module, String>)]) -> String {
+    let mut text = String::new();
+    for (name, module) in modules {
+        // Writing to a string cannot fail.
+        _ = match module {
+            Ok(module) => writeln!(text, "\nmodule {name} ({}), {}", module.build(), module.path().display()),
+            Err(reason) => writeln!(text, "\nno module {name}: {reason}"),
+        };
+        let Ok(module) = module else { continue };
+        let width = module.signatures().map(|law| law.name.len()).max().unwrap_or(0);
+        for law in module.signatures() {
+            let summary = law.doc.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
+            _ = writeln!(text, "  {:width$}  {}", law.name, summary.trim());
+        }
+        for refused in module.refused() {
+            _ = writeln!(text, "  refused: {refused}");
+        }
+    }
+    text
 }
 
 fn list() -> String {

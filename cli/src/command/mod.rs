@@ -7,20 +7,25 @@ mod arguments;
 mod laws;
 mod run;
 mod study;
+mod sweep;
 
 pub use arguments::{Arguments, Command};
 
 use std::io::Write;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
+use indicatif::{ProgressBar, ProgressStyle};
 use signal_hook::consts::SIGINT;
 use signal_hook::flag;
 use vesper::prelude::DoubleDouble;
 
 use crate::assemble;
 use crate::fault::{SceneFault, print_faults};
+use crate::modules::Modules;
 use crate::scene::{Override, Precision, Scene};
 use arguments::{Explain, SceneArguments};
 
@@ -54,8 +59,9 @@ pub fn execute(arguments: &Arguments) -> Exit {
     let result = match &arguments.command {
         Command::Run(run) => run::run(run),
         Command::Study(study) => study::study(study),
+        Command::Sweep(sweep) => sweep::sweep(sweep),
         Command::Explain(explain) => self::explain(explain),
-        Command::Laws { name } => laws::laws(name.as_deref()),
+        Command::Laws { name, folders } => laws::laws(name.as_deref(), &Modules::new(folders, false)),
     };
     result.unwrap_or_else(|faults| {
         complain(&print_faults(&faults));
@@ -64,7 +70,7 @@ pub fn execute(arguments: &Arguments) -> Exit {
 }
 
 fn explain(arguments: &Explain) -> Result<Exit, Vec<SceneFault>> {
-    let scene = read(&arguments.scene, &arguments.scene.overrides())?;
+    let scene = read(&arguments.scene, &arguments.scene.settings.overrides())?;
     let text = match precision(&scene) {
         Precision::F32 => explained::<f32>(&scene, arguments.dot),
         Precision::F64 => explained::<f64>(&scene, arguments.dot),
@@ -79,7 +85,14 @@ fn explained<P: vesper::prelude::Precision>(scene: &Scene, dot: bool) -> Result<
 }
 
 fn read(arguments: &SceneArguments, overrides: &[Override]) -> Result<Scene, Vec<SceneFault>> {
-    Scene::read_and(&arguments.scene, overrides, assemble::names)
+    scene(&arguments.scene, overrides, arguments.settings.modules.modules())
+}
+
+/// Reads a scene whose laws may be in modules.
+fn scene(path: &Path, overrides: &[Override], modules: Modules) -> Result<Scene, Vec<SceneFault>> {
+    let mut scene = Scene::read_and(path, overrides, |scene| assemble::names(scene, &modules))?;
+    scene.modules = modules;
+    Ok(scene)
 }
 
 fn precision(scene: &Scene) -> Precision {
@@ -122,4 +135,14 @@ fn stop_on_interrupt() -> Arc<AtomicBool> {
 /// Writes to standard error.
 fn complain(text: &str) {
     _ = std::io::stderr().write_all(text.as_bytes());
+}
+
+/// A progress bar over so many pieces, where standard error is a terminal.
+fn bar(quiet: bool, steps: u64) -> ProgressBar {
+    let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(steps) };
+    if let Ok(style) = ProgressStyle::with_template("[{bar:40}] {percent:>3} %, {eta} left, {msg}") {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
 }

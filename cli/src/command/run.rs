@@ -102,6 +102,10 @@ fn tell(arguments: &Run, scene: &Scene, outcome: &Outcome, every: u64, files: &[
         }
     }
     let said = say(&text);
+    for law in outcome.laws.iter().filter(|law| law.status == "failed") {
+        let why = law.reason.as_deref().unwrap_or_default();
+        complain(&format!("warning: law {} failed, and the run went on without it: {why}\n", law.name));
+    }
     for fault in &outcome.faults {
         complain(&format!("{fault}\n"));
     }

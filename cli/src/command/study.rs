@@ -4,16 +4,16 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use vesper::prelude::*;
 
 use super::arguments::Study;
-use super::{Exit, complain, say, stop_on_interrupt};
-use crate::assemble;
+use super::{Exit, bar, complain, say, stop_on_interrupt};
 use crate::assemble::integrators::{self, NamedIntegrator};
 use crate::fault::SceneFault;
+use crate::modules::Modules;
 use crate::output::json;
-use crate::scene::{PRECISIONS, Precision as Numbers, Scene};
+use crate::scene::{PRECISIONS, Precision as Numbers};
 use crate::study::{
     Attribution, Budget, Findings, Grid, Keeper, Method, Patience, Problem, Refusal, Run, choice, diagram, makers,
     read, shares, table, written,
@@ -153,15 +153,6 @@ fn laws(arguments: &Study) -> Result<Exit, Vec<SceneFault>> {
     })
 }
 
-fn bar(quiet: bool, steps: u64) -> ProgressBar {
-    let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(steps) };
-    if let Ok(style) = ProgressStyle::with_template("[{bar:40}] {percent:>3} %, {eta} left, {msg}") {
-        bar.set_style(style.progress_chars("=> "));
-    }
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
-}
-
 /// What a study has found so far, in a folder where one is asked for.
 struct Log {
     findings: Findings,
@@ -248,7 +239,7 @@ fn problems(arguments: &Study) -> Result<Vec<Problem>, Vec<SceneFault>> {
     let path = &arguments.file;
     let file = path.display().to_string();
     if path.extension().is_none_or(|extension| extension != "json") {
-        let scene = Scene::read_and(path, &arguments.overrides(), assemble::names)?;
+        let scene = super::scene(path, &arguments.overrides(), Modules::new(&arguments.laws_from, false))?;
         let id = path.file_stem().map_or_else(|| file.clone(), |stem| stem.to_string_lossy().into_owned());
         return Problem::of_scene(&id, scene, &arguments.of).map(|problem| vec![problem]);
     }

@@ -4,13 +4,13 @@
 //! finite; a run that broke leaves one from before.
 
 use serde_json::{Value, json};
-use vesper::engine::{ColumnData, DomainData};
+use vesper::engine::{ColumnData, DomainData, LawData};
 use vesper::prelude::Checkpoint;
 
 use crate::reader::Reader;
 
 /// The format; another number is another one.
-const VERSION: u64 = 5;
+const VERSION: u64 = 6;
 
 /// A checkpoint as JSON.
 pub fn to_json(checkpoint: &Checkpoint) -> Value {
@@ -33,6 +33,10 @@ pub fn to_json(checkpoint: &Checkpoint) -> Value {
             "previous": columns(&domain.previous),
         })
     };
+    let law = |law: &LawData| {
+        let memory: String = law.memory.iter().map(|byte| format!("{byte:02x}")).collect();
+        json!({ "label": law.label, "declaration": law.declaration, "memory": memory })
+    };
     let (time, since, step) = checkpoint.clock;
     json!({
         "vesper_checkpoint": VERSION,
@@ -46,6 +50,7 @@ pub fn to_json(checkpoint: &Checkpoint) -> Value {
         "origin": checkpoint.origin,
         "memory": checkpoint.memory,
         "domains": checkpoint.domains.iter().map(domain).collect::<Vec<_>>(),
+        "laws": checkpoint.laws.iter().map(law).collect::<Vec<_>>(),
         "registers": checkpoint.registers,
         "held": checkpoint.held,
         "filled": checkpoint.filled,
@@ -74,9 +79,22 @@ pub fn from_text(text: &str) -> Result<Checkpoint, String> {
         origin: root.field("origin")?.list(Reader::number)?,
         memory: root.field("memory")?.list(Reader::number)?,
         domains: root.field("domains")?.list(domain)?,
+        laws: root.field("laws")?.list(law)?,
         registers: root.field("registers")?.list(|register| register.list(Reader::number))?,
         held: root.field("held")?.list(|held| held.list(|part| part.list(Reader::number)))?,
         filled: root.field("filled")?.list(Reader::flag)?,
+    })
+}
+
+fn law(reader: &Reader<'_>) -> Result<LawData, String> {
+    let memory = reader.field("memory")?;
+    let digits = memory.text()?;
+    let byte = |at: usize| digits.get(at..at + 2).and_then(|two| u8::from_str_radix(two, 16).ok());
+    let bytes: Option<Vec<u8>> = (0..digits.len()).step_by(2).map(byte).collect();
+    Ok(LawData {
+        label: reader.field("label")?.text()?,
+        declaration: reader.field("declaration")?.text()?,
+        memory: bytes.map_or_else(|| memory.wrong("two hexadecimal digits for each byte"), Ok)?,
     })
 }
 
@@ -125,6 +143,11 @@ mod tests {
                 columns: vec![column.clone()],
                 previous: vec![column],
             }],
+            laws: vec![LawData {
+                label: "a".to_owned(),
+                declaration: "law a\nreads b".to_owned(),
+                memory: vec![0, 9, 255],
+            }],
             registers: vec![vec![1.5, 2.0 / 3.0], vec![]],
             held: vec![vec![vec![]]],
             filled: vec![true, false],
@@ -144,9 +167,10 @@ mod tests {
         let text = to_json(&example()).to_string();
         let cases = [
             ("{", "it is no JSON"),
-            ("{}", "it is no checkpoint of version 5"),
+            ("{}", "it is no checkpoint of version 6"),
             (&text.replace("\"steps\":", "\"stps\":"), "expected `steps` at its root"),
             (&text.replace("\"filled\":[true", "\"filled\":[1"), "expected true or false at /filled/.."),
+            (&text.replace("0009ff", "0009f"), "expected two hexadecimal digits for each byte at /laws/../memory"),
             (&text.replace("[[1.5,", "[[null,"), "expected a finite number at /registers/../.."),
         ];
         for (text, expected) in cases {

@@ -5,7 +5,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::run::Outcome;
-use crate::run::drift::VectorDrift;
+use crate::run::drift::{Drift, VectorDrift};
 use crate::run::snapshot::{Shown, ShownDomain};
 
 /// The object that `run --json` prints and `summary.json` holds.
@@ -13,22 +13,6 @@ pub fn outcome(outcome: &Outcome) -> Value {
     let domains: Map<String, Value> =
         outcome.domains.iter().map(|domain| (domain.name.clone(), columns(domain))).collect();
     let laws: Vec<Value> = outcome.laws.iter().map(law).collect();
-    let energy = &outcome.drift.energy;
-    let mut invariants = Map::new();
-    let mut energy_object = json!({
-        "first": energy.first,
-        "last": energy.last,
-        "max_relative_drift": energy.max_relative_drift,
-    });
-    if let (false, Some(object)) = (energy.silent.is_empty(), energy_object.as_object_mut()) {
-        object.insert("laws_without_energy".to_owned(), json!(energy.silent));
-    }
-    invariants.insert("energy".to_owned(), energy_object);
-    let momenta = outcome.drift.momenta.as_ref();
-    let of =
-        |which: fn(&(VectorDrift, VectorDrift)) -> VectorDrift| momenta.map_or(json!({}), |both| vector(which(both)));
-    invariants.insert("momentum".to_owned(), of(|both| both.0));
-    invariants.insert("angular_momentum".to_owned(), of(|both| both.1));
     let mut object = json!({
         "time": outcome.time,
         "steps": outcome.steps,
@@ -38,7 +22,7 @@ pub fn outcome(outcome: &Outcome) -> Value {
         "laws": laws,
         "unused": outcome.unused,
         "transfers": { "uploads": 0, "upload_bytes": 0, "downloads": 0, "download_bytes": 0 },
-        "invariants": invariants,
+        "invariants": invariants(&outcome.drift),
     });
     let Some(root) = object.as_object_mut() else { return object };
     if let Some(compared) = &outcome.compared {
@@ -67,6 +51,27 @@ pub fn outcome(outcome: &Outcome) -> Value {
         root.insert("error".to_owned(), json!(texts.join("; ")));
     }
     object
+}
+
+/// Energy, momentum and angular momentum over a run; of momenta nothing, where no rows have them.
+pub fn invariants(drift: &Drift) -> Value {
+    let energy = &drift.energy;
+    let mut invariants = Map::new();
+    let mut energy_object = json!({
+        "first": energy.first,
+        "last": energy.last,
+        "max_relative_drift": energy.max_relative_drift,
+    });
+    if let (false, Some(object)) = (energy.silent.is_empty(), energy_object.as_object_mut()) {
+        object.insert("laws_without_energy".to_owned(), json!(energy.silent));
+    }
+    invariants.insert("energy".to_owned(), energy_object);
+    let momenta = drift.momenta.as_ref();
+    let of =
+        |which: fn(&(VectorDrift, VectorDrift)) -> VectorDrift| momenta.map_or(json!({}), |both| vector(which(both)));
+    invariants.insert("momentum".to_owned(), of(|both| both.0));
+    invariants.insert("angular_momentum".to_owned(), of(|both| both.1));
+    Value::Object(invariants)
 }
 
 /// JSON for people too: an entry a line, but lists of numbers and objects in lists each on one line.

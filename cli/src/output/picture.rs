@@ -273,12 +273,12 @@ fn length_unit(extent: f64) -> (&'static str, f64) {
 }
 
 /// 1, 2 or 5 times a power of ten, at least `size`.
-fn tick_step(size: f64) -> f64 {
+pub(crate) fn tick_step(size: f64) -> f64 {
     let power = 10f64.powf(size.log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|factor| factor * power).find(|step| *step >= size * 0.999).unwrap_or(power)
 }
 
-fn tick_label(value: f64, step: f64) -> String {
+pub(crate) fn tick_label(value: f64, step: f64) -> String {
     let places = (-step.log10().floor()).max(0.0);
     if places > 6.0 || value.abs() >= 1e7 {
         return rounded(value, 6).to_string();
@@ -297,7 +297,7 @@ pub(crate) fn duration(seconds: f64) -> String {
     }
 }
 
-fn shortened(name: &str) -> String {
+pub(crate) fn shortened(name: &str) -> String {
     if name.chars().count() <= 20 { name.to_owned() } else { name.chars().take(19).chain(['…']).collect() }
 }
 

@@ -72,7 +72,7 @@ impl Table {
 }
 
 /// A text as a cell: in quotes where it holds what would end the cell.
-fn cell(text: &str) -> String {
+pub(crate) fn cell(text: &str) -> String {
     match text.contains([',', '"', '\n', '\r']) {
         true => format!("\"{}\"", text.replace('"', "\"\"")),
         false => text.to_owned(),

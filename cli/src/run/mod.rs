@@ -109,7 +109,7 @@ impl<'s, P: CatalogPrecision> Ready<'s, P> {
         let columns = shown_columns(self.scene, &self.engine);
         let (last, rest) = self.course.last();
         let steps = last.saturating_sub(self.engine.steps()) + u64::from(rest > 0.0);
-        let mut drive = Drive::new(self.engine.report().laws.len(), steps, "running", &request);
+        let mut drive = Drive::new(self.engine.report().laws.len(), steps, "running", &request, self.scene.is_strict());
         let mut outcome = Outcome { precision: P::NAME, ..Outcome::default() };
         let way = way::Way { scene: self.scene, course: self.course, targets: &self.targets };
         let mut show = |engine: &Engine<P>, whole: bool| {

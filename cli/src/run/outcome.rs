@@ -15,7 +15,7 @@ pub struct LawOutcome {
     pub name: String,
     /// The domain it stands on.
     pub domain: String,
-    /// "active", "dormant", "pruned", "off".
+    /// "active", "dormant", "pruned", "off", "failed".
     pub status: &'static str,
     /// Why it does not run.
     pub reason: Option<String>,
@@ -99,6 +99,7 @@ pub(super) fn law_outcomes<P: Precision>(engine: &Engine<P>, seconds: &[f64]) ->
                     "neither the integrator nor an observer needs {}; {saving} saved per evaluation",
                     results.join(", ")
                 )),
+                Status::Failed { reason } => Some(reason.clone()),
                 Status::Active { .. } | Status::Off => None,
             },
             rows: if let Status::Active { rows } = law.status { rows } else { 0 },

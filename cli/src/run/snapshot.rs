@@ -2,10 +2,10 @@
 //!
 //! In: a scene, an engine. Out: names of columns, and their numbers at a moment. Never: a file.
 
+use crate::assemble::law_of;
 use vesper::law::{Mode, Place};
 use vesper::prelude::*;
 use vesper::property::Role;
-use vesper_laws::catalog::stock_law;
 
 use crate::scene::Scene;
 
@@ -69,8 +69,8 @@ pub fn shown_columns<P: Precision>(scene: &Scene, engine: &Engine<P>) -> Vec<(St
             engine.report().laws.iter().any(|law| {
                 matches!(law.status, Status::Active { .. })
                     && law.domain == domain.name()
-                    && stock_law(&law.name).is_some_and(|law| {
-                        let ports = law.signature.ports.iter();
+                    && law_of(scene, &law.name).is_some_and(|law| {
+                        let ports = law.ports.iter();
                         ports
                             .filter(|port| port.mode == Mode::Rates && port.place == Place::Own)
                             .any(|port| port.property.name == name)

@@ -175,7 +175,13 @@ impl Way<'_> {
         let mut engine = switched_off::<P>(self.scene, &off)?;
         let dates = self.dates(engine.time());
         let last = dates.last().map_or(0, |(_, step, _)| *step);
-        let mut drive = Drive::new(self.scene.laws.len(), last, &format!("without {}", off.join(", ")), request);
+        let mut drive = Drive::new(
+            self.scene.laws.len(),
+            last,
+            &format!("without {}", off.join(", ")),
+            request,
+            self.scene.is_strict(),
+        );
         let mut aside = Aside { scene: self.scene, off, engine: None };
         let mut distances = Vec::new();
         for (target, step, rest) in dates {
@@ -229,7 +235,7 @@ impl<P: CatalogPrecision> Aside<'_, P> {
 fn moments<P: Precision>(engine: &Engine<P>) -> u64 {
     let rows = |law: &vesper::registry::LawReport| match law.status {
         Status::Active { rows } => rows as u64,
-        Status::Dormant(_) | Status::Pruned { .. } | Status::Off => 0,
+        Status::Dormant(_) | Status::Pruned { .. } | Status::Off | Status::Failed { .. } => 0,
     };
     let most = engine.report().laws.iter().map(rows).max().unwrap_or(0).max(1);
     (30_000_000 / most.saturating_mul(most)).clamp(8, 256)

@@ -238,6 +238,10 @@ pub struct GenerateRequest {
 pub struct LawRequest {
     /// Name of the law, not checked here.
     pub name: Spanned<String>,
+    /// The module that it is in; none for a stock law.
+    pub module: Option<Spanned<String>>,
+    /// What the law's declaration was when the scene was written, as a number.
+    pub fingerprint: Option<Spanned<String>>,
     /// The domain to stand on, where there is a choice.
     pub domain: Option<Spanned<String>>,
     /// A name of its own, where a law stands twice.

@@ -19,10 +19,12 @@ mod tree;
 mod unit_names;
 mod walk;
 
+use crate::modules::Modules;
 use std::path::{Path, PathBuf};
 
 pub use data::*;
 pub(crate) use domains::plural;
+pub(crate) use overrides::is_word;
 pub use overrides::{OptionKind, Override};
 
 pub use crate::fault::{SceneFault, Sources, Span, Spanned, help_for, nearest, print_faults};
@@ -54,12 +56,19 @@ pub struct Scene {
     pub laws: Vec<LawRequest>,
     /// Section `[compare]`.
     pub compare: Option<Compare>,
+    /// Where modules of laws may come from; not the scene's to say.
+    pub modules: Modules,
 }
 
 /// The sections of a scene.
 const SECTIONS: [&str; 8] = ["title", "engine", "constants", "fields", "domains", "generate", "laws", "compare"];
 
 impl Scene {
+    /// Whether every law has to run.
+    pub fn is_strict(&self) -> bool {
+        self.engine.strict.as_ref().is_some_and(|strict| strict.value)
+    }
+
     /// Reads the scene file at `path`, applies the `--set` arguments, and fills its domains.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, Vec<SceneFault>> {
         Self::read_and(path, overrides, |_| Vec::new())

@@ -1,4 +1,4 @@
-//! `--set PATH=VALUE`: changes to the parse tree before it is read, so that they are checked as the file is.
+//! `--set PATH=VALUE`, and each value of `--vary`: changes to the parse tree before it is read, so that they are checked as the file is.
 //!
 //! In: the tree and an argument. Out: the changed tree, or a fault in the argument. Never: adds a constant, field,
 //! domain or column that the file does not have, for that would be a typing mistake that runs.
@@ -29,6 +29,13 @@ const SECTIONS: [(&str, bool); 8] = [
 pub enum Override {
     /// `--set`, with its argument.
     Set(String),
+    /// One of the values of `--vary`.
+    Vary {
+        /// The path of the option, for faults.
+        path: String,
+        /// As `--set` has it.
+        set: String,
+    },
     /// An option for a setting of `[engine]`.
     Engine {
         /// The option: "--step".
@@ -60,6 +67,7 @@ impl Override {
     pub(crate) fn source(&self) -> (String, &str) {
         match self {
             Override::Set(argument) => (format!("--set {argument}"), argument),
+            Override::Vary { path, set } => (format!("--vary {path}"), set),
             Override::Engine { option, text, .. } => (format!("{option} {text}").trim_end().to_owned(), text),
         }
     }
@@ -80,7 +88,7 @@ impl From<&str> for Override {
 /// Applies one change, whose text has been added to the sources at `base`.
 pub(crate) fn apply(walk: &mut Walk, root: &mut Table, change: &Override, base: usize) {
     match change {
-        Override::Set(argument) => set(walk, root, argument, base),
+        Override::Set(argument) | Override::Vary { set: argument, .. } => set(walk, root, argument, base),
         Override::Engine { key, text, kind, .. } => {
             let span = Span { start: base, end: base + text.len() };
             let node = |value| Node { value, span };
@@ -159,15 +167,19 @@ fn put(walk: &mut Walk, root: &mut Table, steps: &[(String, Span)], new: Node) {
     }
 }
 
+/// Whether a text may stand for itself, without quotes.
+pub(crate) fn is_word(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+        && text.chars().all(|c| c.is_ascii_alphanumeric() || "_-./^".contains(c))
+        && !["true", "false", "inf", "nan"].contains(&text)
+}
+
 /// The value of an argument: TOML, or a bare word.
 fn read_value(walk: &mut Walk, text: &str, base: usize) -> Option<Node> {
     let word = text.trim();
-    let bare = word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-        && word.chars().all(|c| c.is_ascii_alphanumeric() || "_-./^".contains(c))
-        && !["true", "false", "inf", "nan"].contains(&word);
     let lead = text.len() - text.trim_start().len();
     let span = Span { start: base + lead, end: base + lead + word.len() };
-    if bare {
+    if is_word(word) {
         return Some(Node { value: Value::Text(word.to_owned()), span });
     }
     if word.is_empty() {

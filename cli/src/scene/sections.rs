@@ -199,7 +199,8 @@ fn field_box(walk: &mut Walk, node: &Node) -> Option<FieldBox> {
 }
 
 /// Keys of `[[laws]]` that are no parameters.
-pub(crate) const LAW: [&str; 7] = ["name", "domain", "label", "backend", "every", "enabled", "far_field"];
+pub(crate) const LAW: [&str; 9] =
+    ["name", "module", "fingerprint", "domain", "label", "backend", "every", "enabled", "far_field"];
 
 /// `[[laws]]`.
 pub(crate) fn laws(walk: &mut Walk, node: &Node) -> Vec<LawRequest> {
@@ -247,6 +248,8 @@ fn law(walk: &mut Walk, node: &Node) -> Option<LawRequest> {
             None => whole = false,
         }
     }
+    let module = table.get("module").and_then(|module| walk.text(module));
+    let fingerprint = table.get("fingerprint").and_then(|fingerprint| walk.text(fingerprint));
     let domain = table.get("domain").and_then(|domain| walk.text(domain));
     let label = table.get("label").and_then(|label| walk.text(label));
     let backend = table.get("backend").and_then(|backend| walk.choice(backend, &BACKENDS));
@@ -254,7 +257,19 @@ fn law(walk: &mut Walk, node: &Node) -> Option<LawRequest> {
     let enabled = table.get("enabled").is_none_or(|enabled| walk.flag(enabled).is_none_or(|flag| flag.value));
     let far_field = table.get("far_field").and_then(|far| far_field(walk, far));
     let name = walk.required(table, "name", node.span, "a law").and_then(|name| walk.text(name))?;
-    whole.then_some(LawRequest { name, domain, label, parameters, backend, every, far_field, enabled, span: node.span })
+    whole.then_some(LawRequest {
+        name,
+        module,
+        fingerprint,
+        domain,
+        label,
+        parameters,
+        backend,
+        every,
+        far_field,
+        enabled,
+        span: node.span,
+    })
 }
 
 /// `{ method = "multipole", error = 1e-4 }`: the error.

@@ -3,9 +3,10 @@
 //! In: a [`Case`] or a [`Scene`]. Out: engines for any method, the times at which states are compared, the numbers that
 //! are compared, and how far they are from an answer. Never: a choice that knows a case.
 
+use crate::assemble::law_of;
 use vesper::law::Mode;
 use vesper::prelude::*;
-use vesper_laws::catalog::{CatalogPrecision, stock_law};
+use vesper_laws::catalog::CatalogPrecision;
 
 use super::case::Case;
 use super::setup;
@@ -179,8 +180,8 @@ impl Problem {
     /// Whether the law of this label gives rates, so that nothing would move without it.
     pub(super) fn gives_rates(&self, label: &str) -> bool {
         let law = self.scene().and_then(|scene| scene.laws.iter().find(|law| law.called() == label));
-        let stock = law.and_then(|law| stock_law(&law.name.value));
-        stock.is_some_and(|stock| stock.signature.ports.iter().any(|port| port.mode == Mode::Rates))
+        let law = law.zip(self.scene()).and_then(|(law, scene)| law_of(scene, law.called()));
+        law.is_some_and(|law| law.ports.iter().any(|port| port.mode == Mode::Rates))
     }
 
     /// What a row is called, or its number.

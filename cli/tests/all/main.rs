@@ -3,9 +3,11 @@
 mod command;
 mod common;
 mod examples;
+mod modules;
 mod names;
 mod references;
 mod scene;
 mod scene_mistakes;
 mod stable;
 mod study;
+mod sweep;

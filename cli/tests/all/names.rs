@@ -3,12 +3,14 @@
 use std::path::Path;
 
 use vesper_cli::assemble;
+use vesper_cli::modules::Modules;
 use vesper_cli::run::Ready;
 use vesper_cli::scene::*;
 
 /// All faults of a scene, as `vesper run` finds them.
 fn faults(text: &str) -> Vec<String> {
-    let scene = Scene::from_text_and("a.toml", text, Path::new(""), &[], assemble::names);
+    let scene =
+        Scene::from_text_and("a.toml", text, Path::new(""), &[], |scene| assemble::names(scene, &Modules::default()));
     let faults = match &scene {
         Ok(scene) => Ready::<f64>::new(scene, None).err().unwrap_or_default(),
         Err(faults) => faults.clone(),

@@ -18,6 +18,7 @@ pub fn column<P: Scalar, F: ColumnFamily>(law: &F) -> Compiled<P> {
         signature: F::SIGNATURE,
         energy: false,
         parameters: law.parameters(),
+        foreign: None,
         kernel: Kernel::Column(Box::new(law.clone())),
     }
 }

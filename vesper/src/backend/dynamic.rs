@@ -3,7 +3,7 @@
 use super::row::{RowCall, RowKernel};
 use super::tangent::TangentCall;
 use super::{Compile, Compiled, Kernel, MAX_SLOTS};
-use crate::law::{DynLaw, Mode, Part, Place};
+use crate::law::{DynLaw, Mode, Part, Place, Signature};
 use crate::property::Role;
 use crate::real::{DoubleDouble, Dual, Isa, Scalar};
 use std::sync::Arc;
@@ -22,7 +22,13 @@ impl Compile for DynLaw {
 
 fn compiled<P: Scalar>(law: &DynLaw) -> Compiled<P> {
     let kernel = Closure { slots: law.signature.slots(), law: law.clone() };
-    Compiled { signature: law.signature, energy: false, parameters: Vec::new(), kernel: Kernel::Row(Arc::new(kernel)) }
+    Compiled {
+        signature: law.signature,
+        energy: false,
+        parameters: Vec::new(),
+        foreign: None,
+        kernel: Kernel::Row(Arc::new(kernel)),
+    }
 }
 
 struct Closure {
@@ -47,63 +53,75 @@ impl<P: Scalar> RowKernel<P> for Closure {
         }
     }
 
-    /// A closure is not generic, so its derivatives are central differences, by one number after the other. Each is moved by
-    /// the cube root of the rounding of f64 times its own magnitude, where the errors of the difference and of rounding are
-    /// alike (Dennis, Schnabel, Numerical Methods for Unconstrained Optimization and Nonlinear Equations, 5.4); where it is 0,
-    /// by that of its property in this row, or else of 1.
     unsafe fn tangent(&self, call: &TangentCall<'_, P>) {
-        let Closure { law, slots } = self;
-        let first = law.signature.inputs().count();
-        let (inputs, all) = (slots[first], slots[slots.len() - 1]);
-        let outputs = all - inputs;
-        let body = |given: &[f64], results: &mut [f64; MAX_SLOTS]| {
-            results[..outputs].fill(0.0);
-            (law.body)(given, &mut results[..outputs]);
-        };
-        let (mut given, mut along) = ([0.0; MAX_SLOTS], [0.0; MAX_SLOTS]);
-        for row in 0..call.rows {
-            for slot in 0..inputs {
-                // SAFETY: the caller promises the rows.
-                let number = unsafe { call.slots[slot].load(row) };
-                let there = !call.slots[slot].value.start.is_null();
-                given[slot] = if there { number.value.to_f64() } else { 0.0 };
-                along[slot] = number.derivative.to_f64();
-            }
-            let mut values = [0.0; MAX_SLOTS];
-            body(&given[..inputs], &mut values);
-            let mut derivatives = [0.0; MAX_SLOTS];
-            for port in slots[..=first].windows(2) {
-                let of_port = given[port[0]..port[1]].iter().fold(0.0, |most, number| f64::max(most, number.abs()));
-                for slot in (port[0]..port[1]).filter(|&slot| along[slot] != 0.0) {
-                    let own = given[slot];
-                    let size = [own.abs(), of_port].into_iter().find(|size| *size > 0.0).unwrap_or(1.0);
-                    let by = f64::EPSILON.cbrt() * size;
-                    let ([low, high], mut results) = ([own - by, own + by], [[0.0; MAX_SLOTS]; 2]);
-                    for (at, results) in [low, high].into_iter().zip(&mut results) {
-                        given[slot] = at;
-                        body(&given[..inputs], results);
-                    }
-                    given[slot] = own;
-                    let [below, above] = results;
-                    for (sum, (below, above)) in derivatives[..outputs].iter_mut().zip(below.into_iter().zip(above)) {
-                        *sum += (above - below) / (high - low) * along[slot];
-                    }
-                }
-            }
-            for (port, at) in law.signature.ports[first..].iter().zip(&slots[first..]) {
-                for slot in *at..at + port.property.kind.width() {
-                    let to = call.slots[slot];
-                    let [value, derivative] = [values, derivatives].map(|numbers| P::from_f64(numbers[slot - inputs]));
-                    let share = Dual::new(value, derivative);
-                    // SAFETY: as above.
-                    unsafe { to.store(row, if port.mode == Mode::Adds { to.load(row) + share } else { share }) };
-                }
-            }
-        }
+        // SAFETY: the caller promises the same.
+        unsafe { by_differences(&self.law.signature, call, &*self.law.body) }
     }
 
     unsafe fn energy(&self, _call: &RowCall<'_, P>) -> Option<f64> {
         None
+    }
+}
+
+/// The loop of derivatives of a body that is not generic in its numbers: central differences, by one number after the other. Each
+/// is moved by the cube root of the rounding of f64 times its own magnitude, where the errors of the difference and of rounding
+/// are alike (Dennis, Schnabel, Numerical Methods for Unconstrained Optimization and Nonlinear Equations, 5.4); where it is 0, by
+/// that of its property in this row, or else of 1.
+///
+/// # Safety
+/// The call keeps its promises.
+pub(crate) unsafe fn by_differences<P: Scalar>(
+    signature: &Signature,
+    call: &TangentCall<'_, P>,
+    body: impl Fn(&[f64], &mut [f64]),
+) {
+    let slots = signature.slots();
+    let first = signature.inputs().count();
+    let (inputs, all) = (slots[first], slots[slots.len() - 1]);
+    let outputs = all - inputs;
+    let body = |given: &[f64], results: &mut [f64; MAX_SLOTS]| {
+        results[..outputs].fill(0.0);
+        body(given, &mut results[..outputs]);
+    };
+    let (mut given, mut along) = ([0.0; MAX_SLOTS], [0.0; MAX_SLOTS]);
+    for row in 0..call.rows {
+        for slot in 0..inputs {
+            // SAFETY: the caller promises the rows.
+            let number = unsafe { call.slots[slot].load(row) };
+            let there = !call.slots[slot].value.start.is_null();
+            given[slot] = if there { number.value.to_f64() } else { 0.0 };
+            along[slot] = number.derivative.to_f64();
+        }
+        let mut values = [0.0; MAX_SLOTS];
+        body(&given[..inputs], &mut values);
+        let mut derivatives = [0.0; MAX_SLOTS];
+        for port in slots[..=first].windows(2) {
+            let of_port = given[port[0]..port[1]].iter().fold(0.0, |most, number| f64::max(most, number.abs()));
+            for slot in (port[0]..port[1]).filter(|&slot| along[slot] != 0.0) {
+                let own = given[slot];
+                let size = [own.abs(), of_port].into_iter().find(|size| *size > 0.0).unwrap_or(1.0);
+                let by = f64::EPSILON.cbrt() * size;
+                let ([low, high], mut results) = ([own - by, own + by], [[0.0; MAX_SLOTS]; 2]);
+                for (at, results) in [low, high].into_iter().zip(&mut results) {
+                    given[slot] = at;
+                    body(&given[..inputs], results);
+                }
+                given[slot] = own;
+                let [below, above] = results;
+                for (sum, (below, above)) in derivatives[..outputs].iter_mut().zip(below.into_iter().zip(above)) {
+                    *sum += (above - below) / (high - low) * along[slot];
+                }
+            }
+        }
+        for (port, at) in signature.ports[first..].iter().zip(&slots[first..]) {
+            for slot in *at..at + port.property.kind.width() {
+                let to = call.slots[slot];
+                let [value, derivative] = [values, derivatives].map(|numbers| P::from_f64(numbers[slot - inputs]));
+                let share = Dual::new(value, derivative);
+                // SAFETY: as above.
+                unsafe { to.store(row, if port.mode == Mode::Adds { to.load(row) + share } else { share }) };
+            }
+        }
     }
 }
 

@@ -66,10 +66,18 @@ impl Links<'_> {
 pub(crate) trait LinkKernel<P>: Send + Sync {
     /// Rows of one link.
     fn arity(&self) -> usize;
+    /// Whether calls may be of some links, and of some rows, so that threads share the work.
+    fn splits(&self) -> bool {
+        true
+    }
     /// # Safety
     /// Every slot is null where its port is absent, or reaches all rows; ends are rows of the target domain; nobody
     /// else touches the numbers that are added to, in `rows`.
     unsafe fn run(&self, isa: Isa, call: &LinkCall<'_, P>);
+    /// Whether there is a body over dual numbers.
+    fn differentiates(&self) -> bool {
+        true
+    }
     /// Runs the body over dual numbers.
     ///
     /// # Safety
@@ -100,6 +108,7 @@ pub fn link<P: Scalar, F: LinkFamily<N>, const N: usize>(law: &F) -> Compiled<P>
         signature: F::SIGNATURE,
         energy: F::ENERGY,
         parameters: law.parameters(),
+        foreign: None,
         kernel: Kernel::Link(Box::new(OfArity::<F, N>(law.clone()))),
     }
 }

@@ -8,6 +8,7 @@
 mod column;
 mod dynamic;
 mod far;
+mod foreign;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod link;
@@ -24,7 +25,10 @@ pub use pair::pair;
 pub use row::row;
 
 pub(crate) use column::ColumnKernel;
+#[cfg(feature = "modules")]
+pub(crate) use dynamic::by_differences;
 pub(crate) use far::{Accuracy, Effort, Far, Parts, pays as far_pays};
+pub(crate) use foreign::Foreign;
 pub(crate) use link::{LinkCall, LinkKernel, Links, Strided};
 pub(crate) use near::{Lists, Reach as ListReach, Unfit};
 pub(crate) use pair::{
@@ -89,6 +93,8 @@ pub struct Compiled<P: Scalar> {
     pub(crate) energy: bool,
     /// The values of the law's parameters, component by component.
     pub(crate) parameters: Vec<f64>,
+    /// What else there is to know where the body was compiled elsewhere.
+    pub(crate) foreign: Option<Arc<dyn Foreign>>,
 }
 
 impl<P: Scalar> core::fmt::Debug for Compiled<P> {
@@ -126,4 +132,16 @@ pub(crate) enum Kernel<P: Scalar> {
     Pair(Arc<dyn PairKernel<P>>),
     Link(Box<dyn LinkKernel<P>>),
     Column(Box<dyn ColumnKernel<P>>),
+}
+
+impl<P: Scalar> Kernel<P> {
+    /// Whether it has a body over dual numbers; differences stand for it where not.
+    pub(crate) fn differentiates(&self) -> bool {
+        match self {
+            Kernel::Row(_) => true,
+            Kernel::Pair(kernel) => kernel.differentiates(),
+            Kernel::Link(kernel) => kernel.differentiates(),
+            Kernel::Column(_) => false,
+        }
+    }
 }

@@ -101,6 +101,10 @@ pub(crate) trait PairKernel<P: Scalar>: Send + Sync {
     /// # Safety
     /// As for `run`.
     unsafe fn is_antisymmetric(&self, call: &PairCall<'_, P>) -> bool;
+    /// Whether there is a body over dual numbers.
+    fn differentiates(&self) -> bool {
+        true
+    }
     /// Runs the body over dual numbers.
     ///
     /// # Safety
@@ -136,6 +140,7 @@ pub fn pair<P: Scalar, F: PairFamily>(law: &F) -> Compiled<P> {
         signature: F::SIGNATURE,
         energy: F::ENERGY,
         parameters: law.parameters(),
+        foreign: None,
         kernel: Kernel::Pair(Arc::new(law.clone())),
     }
 }

@@ -69,6 +69,7 @@ pub fn row<P: Scalar, F: RowFamily>(law: &F) -> Compiled<P> {
         signature: F::SIGNATURE,
         energy: F::ENERGY,
         parameters: law.parameters(),
+        foreign: None,
         kernel: Kernel::Row(Arc::new(law.clone())),
     }
 }

@@ -242,7 +242,7 @@ impl<P: Scalar> Builder<P> {
     }
 
     fn push(&mut self, compiled: Compiled<P>, options: Options) {
-        let entry = Entry { signature: *compiled.signature(), shape: compiled.shape(), options };
+        let entry = Entry { signature: *compiled.signature(), shape: compiled.shape(), options, failed: None };
         self.laws.push(Listed { entry, compiled });
     }
 
@@ -377,6 +377,7 @@ impl<P: Scalar> Builder<P> {
         }
         faults.dedup();
         faults.extend(self.laws.iter().flat_map(parameter_faults));
+        faults.extend(self.laws.iter().filter_map(super::foreign::not_made));
         for name in &self.required {
             let missing = no_law(name, &self.laws);
             let laws = self.laws.iter_mut().filter(|law| law.entry.label() == name);

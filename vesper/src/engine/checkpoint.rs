@@ -4,6 +4,7 @@ use super::{Clock, Engine};
 use crate::column::{Aligned, Column, Storage};
 use crate::domain::SCENE;
 use crate::error::{Fault, Faults};
+use crate::pipeline::Listed;
 use crate::real::{Scalar, compiled_here};
 use crate::state::State;
 
@@ -30,6 +31,8 @@ pub struct Checkpoint {
     pub memory: Vec<f64>,
     /// The domains with their given columns.
     pub domains: Vec<DomainData>,
+    /// The laws that are listed.
+    pub laws: Vec<LawData>,
     /// Rates, the integrator's vectors, and the rounding errors of a compensated state.
     pub registers: Vec<Vec<f64>>,
     /// Shares of laws that are not evaluated on every step.
@@ -49,6 +52,18 @@ pub struct DomainData {
     pub columns: Vec<ColumnData>,
     /// Results of the last evaluation that laws look back at, `reads(previous ...)`.
     pub previous: Vec<ColumnData>,
+}
+
+/// One law of a checkpoint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LawData {
+    /// Its label, or else its name.
+    pub label: String,
+    /// What it touched, and its parameters, [`Signature::declaration`](crate::law::Signature::declaration): a law that says something
+    /// else now is another one.
+    pub declaration: String,
+    /// What it remembers from step to step; nothing, but for laws of modules that say so.
+    pub memory: Vec<u8>,
 }
 
 /// One column of a checkpoint.
@@ -94,6 +109,7 @@ impl<P: Scalar> Engine<P> {
             origin: self.state.origin.map_or(Vec::new(), |origin| origin.numbers()),
             memory: if forgets { Vec::new() } else { self.integrator.memory() },
             domains: (0..self.state.domains().len()).map(|domain| self.domain_data(domain)).collect(),
+            laws: self.laws.iter().map(law_data).collect::<Result<_, _>>()?,
             registers: vectors.kept().iter().map(|array| told(vectors.packed(array))).collect(),
             held: vectors
                 .held
@@ -132,6 +148,7 @@ impl<P: Scalar> Engine<P> {
         {
             return Err(misfit("its clock makes no sense".to_owned()));
         }
+        self.declared_alike(checkpoint).map_err(misfit)?;
         let state = restored(&self.state, checkpoint).map_err(misfit)?;
         self.quiet = f64::NAN;
         let before = core::mem::replace(&mut self.state, state);
@@ -156,6 +173,7 @@ impl<P: Scalar> Engine<P> {
                 }
             }
         }
+        self.remember(checkpoint).map_err(misfit)?;
         self.clock = Clock { time: since_time, since, step };
         self.steps = checkpoint.steps;
         self.remainder = checkpoint.remainder;
@@ -183,6 +201,37 @@ impl<P: Scalar> Engine<P> {
         self.observe()
     }
 
+    /// Whether laws of the same labels declare the same; else the difference.
+    fn declared_alike(&self, checkpoint: &Checkpoint) -> Result<(), String> {
+        for (listed, data) in self.with_data(checkpoint) {
+            let now = listed.compiled.signature.declaration();
+            if now != data.declaration {
+                let difference = difference(&data.declaration, &now);
+                return Err(format!("law {} has changed (- then, + now):\n{difference}", data.label));
+            }
+        }
+        Ok(())
+    }
+
+    /// Laws remember what they did.
+    fn remember(&self, checkpoint: &Checkpoint) -> Result<(), String> {
+        for (listed, data) in self.with_data(checkpoint) {
+            if let Some(foreign) = &listed.compiled.foreign {
+                foreign.load(&data.memory).map_err(|reason| format!("law {}: {reason}", data.label))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Laws, and what a checkpoint has of them: by label, and of several, which stand on different domains, in the order of the list.
+    fn with_data<'a>(&'a self, checkpoint: &'a Checkpoint) -> impl Iterator<Item = (&'a Listed<P>, &'a LawData)> {
+        self.laws.iter().enumerate().filter_map(|(number, listed)| {
+            let label = listed.entry.label();
+            let before = self.laws[..number].iter().filter(|other| other.entry.label() == label).count();
+            Some((listed, checkpoint.laws.iter().filter(|data| data.label == label).nth(before)?))
+        })
+    }
+
     fn domain_data(&self, index: usize) -> DomainData {
         let domain = &self.state.domains()[index];
         let given = domain.columns().iter().filter(|column| column.is_given());
@@ -193,6 +242,22 @@ impl<P: Scalar> Engine<P> {
             previous: domain.previous.iter().map(column_data).collect(),
         }
     }
+}
+
+fn law_data<P: Scalar>(listed: &Listed<P>) -> Result<LawData, Fault> {
+    let memory = listed.compiled.foreign.as_ref().map_or(Ok(Vec::new()), |foreign| foreign.save());
+    let label = listed.entry.label().to_owned();
+    let memory = memory.map_err(|reason| Fault::Checkpoint { reason: format!("law {label}: {reason}") })?;
+    Ok(LawData { label, declaration: listed.compiled.signature.declaration(), memory })
+}
+
+/// The lines that only one of two declarations has, those of the first with a minus.
+fn difference(then: &str, now: &str) -> String {
+    let only = |sign: &str, these: &str, others: &str| -> String {
+        let missing = |line: &&str| !others.lines().any(|other| other == *line);
+        these.lines().filter(missing).map(|line| format!("  {sign} {line}\n")).collect()
+    };
+    (only("-", then, now) + &only("+", now, then)).trim_end().to_owned()
 }
 
 /// Numbers as f64, and behind them what these leave out, where they do.

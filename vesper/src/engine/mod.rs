@@ -8,6 +8,8 @@ mod build;
 mod checkpoint;
 #[cfg_attr(not(feature = "gpu"), path = "without_device.rs")]
 mod device;
+mod energy;
+mod foreign;
 mod late;
 mod lent;
 mod machine;
@@ -16,7 +18,7 @@ mod origin;
 mod stable;
 
 pub use build::{Builder, Configure, Configured, Listing};
-pub use checkpoint::{Checkpoint, ColumnData, DomainData};
+pub use checkpoint::{Checkpoint, ColumnData, DomainData, LawData};
 pub use late::Late;
 
 use crate::column::Storage;
@@ -24,7 +26,7 @@ use crate::error::{Fault, Faults};
 use crate::integrate::{Integrator, System, split};
 use crate::pipeline::{FusedChain, Key, Listed, Machine, Pipeline, Probe, Runner, Settings, lent_columns};
 use crate::real::{Scalar, compiled_here};
-use crate::registry::{Backend, Report, Status};
+use crate::registry::{Backend, Report};
 use crate::state::State;
 use lent::with_runner;
 use std::sync::Arc;
@@ -174,6 +176,11 @@ impl<P: Scalar> Engine<P> {
     }
 
     fn prepare_and_take(&mut self, count: u64, step: f64) -> Result<(), Faults> {
+        let done = self.prepared_and_taken(count, step);
+        self.with_failures(done)
+    }
+
+    fn prepared_and_taken(&mut self, count: u64, step: f64) -> Result<(), Faults> {
         self.prepare()?;
         if self.kept.is_none() {
             return self.take(count, step);
@@ -406,49 +413,20 @@ impl<P: Scalar> Engine<P> {
     /// Switches a law on or off, by its label, or else its name. The kernels and all data stay.
     ///
     /// # Errors
-    /// No law has this label.
+    /// No law has this label, or it failed.
     pub fn enable(&mut self, law: &str, enabled: bool) -> Result<(), Fault> {
         let missing = build::no_law(law, &self.laws);
         let mut found = false;
         for listed in self.laws.iter_mut().filter(|listed| listed.entry.label() == law) {
+            if let Some(fault) = foreign::failed(listed).filter(|_| enabled) {
+                return Err(fault);
+            }
             self.stale |= listed.entry.options.enabled != enabled;
             listed.entry.options.enabled = enabled;
             self.quiet = f64::NAN;
             found = true;
         }
         if found { Ok(()) } else { Err(missing) }
-    }
-
-    /// The sum of the energies of all active laws that know theirs, in J; and the active laws that do not. A law whose
-    /// result nobody needs is not among them.
-    ///
-    /// # Errors
-    /// Laws no longer fit the state, or the client borrows lent memory.
-    pub fn energy(&mut self) -> Result<(f64, Vec<String>), Faults> {
-        compiled_here!(<P> |engine: &mut Engine<P>| -> Result<(f64, Vec<String>), Faults> {
-            engine.sum_of_energies()
-        })(self)
-    }
-
-    fn sum_of_energies(&mut self) -> Result<(f64, Vec<String>), Faults> {
-        self.prepare()?;
-        let silent = self
-            .report()
-            .laws
-            .iter()
-            .zip(&self.laws)
-            .filter(|(report, law)| matches!(report.status, Status::Active { .. }) && !law.compiled.knows_energy())
-            .map(|(report, _)| report.label.clone())
-            .collect();
-        let (time, step) = (self.time(), self.steps);
-        let energy = with_runner(
-            &mut self.pipeline,
-            &self.state,
-            (&self.laws, &self.chains, &self.machine),
-            (time, step),
-            |runner| runner.run(Key::Energy),
-        )?;
-        Ok((energy, silent))
     }
 
     /// Lets another thread stop an adaptive integrator inside a frame: once the flag is true, [`Engine::advance`] comes

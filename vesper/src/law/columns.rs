@@ -41,6 +41,12 @@ impl<'a, P: Scalar> ColumnAccess<'a, P> {
         ColumnAccess { ports, link }
     }
 
+    /// Where the values of all ports are.
+    #[cfg(feature = "modules")]
+    pub(crate) fn ports(&self) -> &'a [PortView<P>] {
+        self.ports
+    }
+
     /// The values of a port.
     ///
     /// # Panics

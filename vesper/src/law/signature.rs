@@ -142,6 +142,38 @@ impl Signature {
         self.ports.iter().enumerate().filter(|(_, port)| !port.mode.is_input())
     }
 
+    /// What the law touches, and its parameters, a line each: two laws that say the same here can stand for each other in any scene.
+    pub fn declaration(&self) -> String {
+        let mut text = format!("law {}\n", self.name);
+        if let Some(link) = self.link {
+            text += &format!("follows {}: {}\n", link.name, link.kind);
+        }
+        for port in self.ports {
+            let place = match port.place {
+                Place::Own => "",
+                Place::Scene => " of the scene",
+                Place::Field => " as a field",
+                Place::End => " of the rows linked to",
+            };
+            let optional = if port.optional { ", optional" } else { "" };
+            let (mode, property, role) = (port.mode.word(), &port.property, port.property.role.word());
+            text += &format!("{mode} {}: {}, {role}{place}{optional}\n", property.name, property.measured());
+        }
+        for parameter in self.parameters {
+            let unit = if parameter.unit.is_empty() { String::new() } else { format!(" [{}]", parameter.unit) };
+            let kind = if parameter.width == 1 { "number" } else { "vector" };
+            text += &format!("parameter {}: {kind}{unit}\n", parameter.name);
+        }
+        text
+    }
+
+    /// A number for [`Signature::declaration`], which changes where that does (FNV-1a, 64 bits).
+    pub fn fingerprint(&self) -> u64 {
+        self.declaration()
+            .bytes()
+            .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
+    }
+
     /// Whether the law samples a field, so that its rows need a position.
     pub fn samples_fields(&self) -> bool {
         self.ports.iter().any(|port| port.place == Place::Field)

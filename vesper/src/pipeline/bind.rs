@@ -241,7 +241,7 @@ impl<P: Scalar> Binder<'_, P> {
             Op::Law { seat, energy, .. } => match &self.laws[self.pipeline.registry.seats[seat].law].compiled.kernel {
                 Kernel::Row(_) => Pass::Group(self.group(ops)?),
                 Kernel::Pair(kernel) => Pass::Pair(self.pair(first, kernel)?),
-                Kernel::Link(kernel) => Pass::Link(self.link(first, energy, kernel.arity())?),
+                Kernel::Link(kernel) => Pass::Link(self.link(first, energy, kernel.arity(), kernel.splits())?),
                 Kernel::Column(_) if energy => return None,
                 Kernel::Column(_) => Pass::Column(self.column(first)?),
             },

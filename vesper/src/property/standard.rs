@@ -1,5 +1,6 @@
 //! The standard properties: the words that strangers' law crates agree on. Anyone declares more in a file of their own.
 
+use super::{Property, PropertyInfo};
 use vesper_macros::property;
 
 property! {
@@ -57,4 +58,50 @@ property! {
     pub ElectricField: Vector, "V/m";
     /// Magnetic flux density as a function of position.
     pub MagneticField: Vector, "T";
+}
+
+/// All of them; a test holds the list against the declarations.
+pub const STANDARD_PROPERTIES: &[PropertyInfo] = &[
+    Position::INFO,
+    Velocity::INFO,
+    Momentum::INFO,
+    Mass::INFO,
+    RestMass::INFO,
+    ExternalForce::INFO,
+    Force::INFO,
+    Turn::INFO,
+    Acceleration::INFO,
+    StandardGravitationalParameter::INFO,
+    Charge::INFO,
+    DragCoefficient::INFO,
+    QuadraticDragCoefficient::INFO,
+    WindVelocity::INFO,
+    Ends::INFO,
+    Corners::INFO,
+    Stiffness::INFO,
+    Damping::INFO,
+    RestLength::INFO,
+    PeriodicBox::INFO,
+    Time::INFO,
+    GravityAcceleration::INFO,
+    SpeedOfLight::INFO,
+    GravityField::INFO,
+    ElectricField::INFO,
+    MagneticField::INFO,
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_list_has_every_standard_property() {
+        let source = include_str!("standard.rs").split("/// All of them;").next().unwrap();
+        let names = source.lines().filter_map(|line| line.trim().strip_prefix("pub "));
+        let declared: Vec<&str> = names.map(|rest| rest.split([':', ' ']).next().unwrap_or_default()).collect();
+        let list = include_str!("standard.rs").lines();
+        let listed: Vec<&str> = list.filter_map(|line| line.trim().strip_suffix("::INFO,")).collect();
+        assert_eq!(listed, declared);
+        assert_eq!(STANDARD_PROPERTIES.len(), declared.len());
+    }
 }

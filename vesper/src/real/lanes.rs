@@ -82,6 +82,20 @@ impl Isa {
         sets
     }
 
+    /// Its place among [`Isa::available`].
+    #[cfg(feature = "modules")]
+    #[inline(always)]
+    pub(crate) const fn number(self) -> u32 {
+        self as u32
+    }
+
+    /// The one of this number, if this processor has it.
+    #[cfg(feature = "modules")]
+    pub(crate) fn of_number(number: u32) -> Isa {
+        static AVAILABLE: std::sync::OnceLock<Vec<Isa>> = std::sync::OnceLock::new();
+        AVAILABLE.get_or_init(Isa::available).get(number as usize).copied().unwrap_or(Isa::Baseline)
+    }
+
     /// The one to take for so many numbers: those that half of the widest registers hold need no wider ones, whose loads and stores
     /// then cross lines of the cache (measured with sums over three bodies: a tenth of an evaluation).
     #[inline(always)]

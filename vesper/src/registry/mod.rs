@@ -72,6 +72,8 @@ pub struct Entry {
     pub shape: Shape,
     /// How it is used.
     pub options: Options,
+    /// Why it runs no more, where it failed.
+    pub failed: Option<String>,
 }
 
 impl Entry {

@@ -50,16 +50,22 @@ pub enum Status {
     },
     /// It is switched off.
     Off,
+    /// It failed while it ran, and is switched off for good.
+    Failed {
+        /// Why.
+        reason: String,
+    },
 }
 
 impl Status {
-    /// "active", "dormant", "pruned" or "off".
+    /// "active", "dormant", "pruned", "off" or "failed".
     pub const fn word(&self) -> &'static str {
         match self {
             Status::Active { .. } => "active",
             Status::Dormant(_) => "dormant",
             Status::Pruned { .. } => "pruned",
             Status::Off => "off",
+            Status::Failed { .. } => "failed",
         }
     }
 }
@@ -121,6 +127,7 @@ impl fmt::Display for LawReport {
                 write!(f, ": neither the integrator nor an observer needs {results}; {saving} saved per evaluation")
             }
             Status::Off => Ok(()),
+            Status::Failed { reason } => write!(f, ": {reason}"),
         }
     }
 }
@@ -130,7 +137,7 @@ impl Report {
     pub fn dormant(&self) -> impl Iterator<Item = (&LawReport, &Dormancy)> {
         self.laws.iter().filter_map(|law| match &law.status {
             Status::Dormant(why) => Some((law, why)),
-            Status::Active { .. } | Status::Pruned { .. } | Status::Off => None,
+            Status::Active { .. } | Status::Pruned { .. } | Status::Off | Status::Failed { .. } => None,
         })
     }
 
@@ -157,6 +164,7 @@ pub(super) fn report<P: Scalar>(entries: &[Entry], placed: &Placed, state: &Stat
             let domain = placed.domains[law].map_or(String::new(), |at| state.domains[at].name.clone());
             let seat = registry.seats.iter().find(|seat| seat.law == law);
             let status = match seat {
+                _ if entry.failed.is_some() => Status::Failed { reason: entry.failed.clone().unwrap_or_default() },
                 _ if !entry.options.enabled => Status::Off,
                 Some(seat) => {
                     Status::Active { rows: seat.rows.as_ref().map_or(state.domains[seat.domain].rows, Vec::len) }

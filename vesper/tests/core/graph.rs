@@ -110,6 +110,33 @@ fn a_sum_is_kept_where_it_is_looked_at_and_passed_on_in_a_scratch_elsewhere() {
     assert_eq!(blind.state().hash(), looking.state().hash());
 }
 
+#[test]
+fn one_more_property_is_looked_at_while_the_engine_runs() {
+    let engine = || Engine::<f64>::builder().domain(bodies()).law(Motion).law(Weight).law(Recorder).step(0.1).build();
+    let (mut blind, mut looking) = (engine().unwrap(), engine().unwrap());
+    for engine in [&mut blind, &mut looking] {
+        engine.advance(0.3).unwrap();
+    }
+    assert!(looking.state().column("bodies", "trace").is_err());
+    looking.observe_also("bodies", Trace).unwrap();
+    let (row, weight) = (1, DVec3::new(0.0, 0.0, -10.0));
+    let expected = |engine: &Engine<f64>| {
+        let state = engine.state();
+        state.get("bodies", ExternalForce, row).unwrap() + weight * state.get("bodies", Mass, row).unwrap()
+    };
+    assert_eq!(looking.state().get("bodies", Trace, row), Ok(expected(&looking)), "at once");
+    assert_eq!(looking.report().law("recorder").unwrap().status.word(), "active");
+    looking.observe_also("bodies", Trace).unwrap();
+    let refused = looking.observe_also("bodies", Colour).unwrap_err().to_string();
+    assert!(refused.starts_with("bodies has no property colour"), "{refused}");
+    assert!(looking.observe_also("dust", Trace).is_err());
+    for engine in [&mut blind, &mut looking] {
+        engine.advance(0.3).unwrap();
+    }
+    assert_eq!(looking.state().get("bodies", Trace, row), Ok(expected(&looking)), "a refused one leaves the others");
+    assert_eq!(blind.state().hash(), looking.state().hash(), "looking changes nothing");
+}
+
 /// A scene with laws of all shapes, a dormant one, a pruned one, one that is off, and an unused column.
 fn scene() -> Engine<f64> {
     Engine::builder()

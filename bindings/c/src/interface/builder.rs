@@ -143,7 +143,9 @@ functions! {
             // SAFETY: as the header says.
             let engine = unsafe { place(engine, EngineId { id: 0 }, "the place for the engine") };
             let assembly = ASSEMBLIES.remove(builder.id)?;
-            engine?.id = ENGINES.insert(Held::new((*assembly).build()?))?;
+            // Nothing is built that nobody could free.
+            let engine = engine?;
+            engine.id = ENGINES.insert(Held::new((*assembly).build()?))?;
             Ok(())
         })
     }

@@ -6,11 +6,11 @@
 use super::Trouble;
 use std::path::Path;
 use vesper_cli::assemble;
-use vesper_cli::scene::{EngineSettings, Precision as Spoken, Scene};
+use vesper_cli::scene::{EngineSettings, Precision as Spoken, Scene, SceneFault, Span};
 
 /// A whole scene, for an engine of this precision.
 pub(super) fn scene<P: vesper::prelude::Precision>(text: &str, folder: &Path) -> Result<Scene, Trouble> {
-    let scene = Scene::from_text_and("scene", text, folder, &[], assemble::names)?;
+    let scene = Scene::from_text_and("scene", text, folder, &[], names)?;
     same_precision::<P>(&scene)?;
     Ok(scene)
 }
@@ -37,7 +37,7 @@ fn piece<P: vesper::prelude::Precision>(
     alone: impl Fn(&Scene) -> bool,
 ) -> Result<Scene, Trouble> {
     let named: String = domains.iter().map(|name| format!("\n[domains.{}]", quoted(name))).collect();
-    let mut scene = Scene::from_text_and(file, &format!("{line}{named}\n"), Path::new(""), &[], assemble::names)?;
+    let mut scene = Scene::from_text_and(file, &format!("{line}{named}\n"), Path::new(""), &[], names)?;
     let rest = scene.constants.len() + scene.fields.len() + scene.generate.len();
     let columns = scene.domains.iter().any(|domain| !domain.columns.is_empty() || domain.labels.is_some());
     let other = rest > 0 || columns || scene.domains.len() != domains.len();
@@ -48,6 +48,11 @@ fn piece<P: vesper::prelude::Precision>(
     scene.domains.clear();
     same_precision::<P>(&scene)?;
     Ok(scene)
+}
+
+/// What the names of a piece do not mean.
+fn names(scene: &Scene) -> Vec<(Span, SceneFault)> {
+    assemble::names(scene, &scene.modules)
 }
 
 fn same_precision<P: vesper::prelude::Precision>(scene: &Scene) -> Result<(), Trouble> {

@@ -104,6 +104,15 @@ fn each_says_what_to_do() {
 }
 
 #[test]
+fn laws_of_modules_are_asked_for_as_in_scenes() {
+    let (status, text) = said(|b| law(b, c"lift", c"module = 'nowhere'"));
+    assert_eq!(status, VESPER_ERROR_FAULT);
+    assert!(text.starts_with("error: module `nowhere`: "), "{text}");
+    let (_, text) = said(|b| law(b, c"lift", c"module = '../nowhere.so'"));
+    assert!(text.contains("a scene may not name a file of code"), "{text}");
+}
+
+#[test]
 fn lent_memory_is_looked_at() {
     let mut doubles = [0.0_f64; 8];
     let start = doubles.as_mut_ptr();

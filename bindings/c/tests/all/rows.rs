@@ -160,7 +160,11 @@ fn texts_and_checkpoints() {
         ok(step(engine, 5, 0.0625));
         assert_eq!(get(engine, c"bodies", c"position", 3), there);
         assert_eq!(vesper_engine_restore(engine, c"{}".as_ptr()), VESPER_ERROR_FAULT);
-        assert_eq!(last_error(), "the checkpoint cannot be read: it is no checkpoint of version 5");
+        assert!(
+            last_error().starts_with("the checkpoint cannot be read: it is no checkpoint of version"),
+            "{}",
+            last_error()
+        );
         let mut text = ptr::null();
         assert_eq!(vesper_engine_text(engine, 9, &raw mut text), VESPER_ERROR_ARGUMENT);
     }

@@ -38,7 +38,7 @@ const PARALLEL_LINKS: usize = 16_384;
 const GRAIN: usize = 1024;
 
 impl<P: Scalar> Binder<'_, P> {
-    pub(super) fn link(&self, op: &Placed, energy: bool, arity: usize) -> Option<LinkPass<P>> {
+    pub(super) fn link(&self, op: &Placed, energy: bool, arity: usize, splits: bool) -> Option<LinkPass<P>> {
         let Op::Law { seat, .. } = op.op else { return None };
         let seat = &self.pipeline.registry.seats[seat];
         let link = self.pipeline.entries[seat.law].signature.link?;
@@ -59,7 +59,7 @@ impl<P: Scalar> Binder<'_, P> {
                 }
             });
         }
-        let threads = threads(op.backend, domain.rows, PARALLEL_LINKS, self.machine);
+        let threads = if splits { threads(op.backend, domain.rows, PARALLEL_LINKS, self.machine) } else { 1 };
         let targets = self.state.domains[seat.target?].rows;
         Some(LinkPass {
             law: seat.law,

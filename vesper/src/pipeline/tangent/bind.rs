@@ -96,14 +96,20 @@ impl<P: Scalar> Binder<'_, P> {
             }
         });
         let slots: Vec<Place<P>> = op.operands.iter().map(|operand| self.place(*operand, op)).collect();
-        if !matches!(self.laws[seat.law].compiled.kernel, Kernel::Column(_)) {
+        let kernel = &self.laws[seat.law].compiled.kernel;
+        if kernel.differentiates() {
             let ends = linked.map_or((core::ptr::null(), 0), |(start, count, _)| (start, count));
             return Some(Step::Law { law: seat.law, slots, rows, ends });
         }
         let at = signature.slots();
         let ports = signature.ports.iter().enumerate().map(|(number, port)| {
             let range = at[number]..at[number + 1];
-            let rows = self.rows_of(op.operands[range.start]);
+            let operand = op.operands[range.start];
+            // Whole columns, but for pairs, which may be of some rows.
+            let rows = match (kernel, operand) {
+                (Kernel::Pair(_), Operand::Quantity(..)) => rows,
+                _ => self.rows_of(operand),
+            };
             let adds = port.mode == Mode::Adds;
             PortOf::new(slots[range].to_vec(), rows, port.mode.is_input(), adds)
         });

@@ -1,4 +1,4 @@
-//! Derivatives of a column law, which has no body over duals: the law at the columns as they are, and for each port that
+//! Derivatives of a law that has no body over duals, a column law or one that was compiled elsewhere: the law at the columns as they are, and for each port that
 //! moves at two states along the direction.
 //!
 //! The two are the cube root of rounding apart, times the largest number of the port by the largest of its direction: there the
@@ -6,9 +6,9 @@
 //! Dennis, Schnabel, Numerical Methods for Unconstrained Optimization and Nonlinear Equations, 5.4.
 
 use super::Place;
-use crate::backend::Kernel;
+use crate::backend::{Kernel, LinkCall, Links, PairCall, Strided};
 use crate::column::Aligned;
-use crate::law::{ColumnAccess, PortView};
+use crate::law::{self, ColumnAccess, PortView};
 use crate::pipeline::run::Context;
 use crate::real::{Dual, Scalar};
 
@@ -128,7 +128,6 @@ impl<P: Scalar> Difference<P> {
 
     /// Runs the law on the arrays; what it gives begins from zero.
     fn evaluate(&mut self, context: &Context<'_, P>) {
-        let Kernel::Column(kernel) = &context.laws[self.law].compiled.kernel else { return };
         for numbers in self.ports.iter_mut().filter(|port| !port.is_input).flat_map(|port| &mut port.numbers) {
             numbers.as_mut_slice().fill(P::default());
         }
@@ -136,7 +135,38 @@ impl<P: Scalar> Difference<P> {
             // SAFETY: the links of the layout that the program was tied to.
             (unsafe { core::slice::from_raw_parts(start, count) }, arity)
         });
-        // SAFETY: the views are of this law's own arrays, one for each port, with as many numbers as they say.
-        unsafe { kernel.run(&ColumnAccess::new(&self.views, link)) };
+        let signature = &context.laws[self.law].compiled.signature;
+        let components = signature.ports.iter().zip(&self.views).flat_map(|(port, view)| {
+            view.components[..port.property.kind.width()].iter().map(|start| (*start, port.place))
+        });
+        // SAFETY: the views are of this law's own arrays, one for each port, with as many numbers as they say; ends are those of the
+        // layout that the program was tied to.
+        unsafe {
+            match &context.laws[self.law].compiled.kernel {
+                Kernel::Column(kernel) => kernel.run(&ColumnAccess::new(&self.views, link)),
+                Kernel::Pair(kernel) => {
+                    let rows = self.ports.iter().filter(|port| !port.is_input).map(|port| port.rows).max();
+                    let slots: Vec<*mut P> = components.map(|(start, _)| start).collect();
+                    let call = PairCall {
+                        slots: &slots,
+                        rests: &[],
+                        rows: 0..rows.unwrap_or(0),
+                        others: 0..rows.unwrap_or(0),
+                        first: true,
+                        estimates: false,
+                        square: P::default(),
+                    };
+                    kernel.run(context.isa, &call);
+                }
+                Kernel::Link(kernel) => {
+                    let strided = |(start, place)| Strided { start, stride: usize::from(place != law::Place::Scene) };
+                    let slots: Vec<Strided<P>> = components.map(strided).collect();
+                    let (ends, arity) = link.unwrap_or((&[], 1));
+                    let links = Links::First(ends.len() / arity);
+                    kernel.run(context.isa, &LinkCall { slots: &slots, ends, links, rows: 0..u32::MAX });
+                }
+                Kernel::Row(_) => {}
+            }
+        }
     }
 }

@@ -1,0 +1,251 @@
+//! `vesper sweep`.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+use serde_json::json;
+
+use super::arguments::Sweep;
+use super::{Exit, bar, complain, say, stop_on_interrupt};
+use crate::fault::SceneFault;
+use crate::output::json;
+use crate::sweep::ensemble::WHOLE;
+use crate::sweep::folder::{PICTURE, TABLE};
+use crate::sweep::{Ensemble, Manifest, Measure, Plan, Record, Shard, SweepFolder, Vary, check, diagram, table, work};
+
+/// More runs at the same time than this are a slip of the finger.
+const MOST_JOBS: usize = 1024;
+/// Pieces of a list of runs, for people.
+const MOST_PIECES: usize = 10;
+
+/// Records by the numbers of their runs.
+type Records = BTreeMap<usize, Record>;
+
+pub(super) fn sweep(arguments: &Sweep) -> Result<Exit, Vec<SceneFault>> {
+    let Some(scene) = arguments.scene.as_deref() else { return of_a_folder(arguments) };
+    let (plan, shard, jobs) = planned(arguments, scene)?;
+    let manifest = Manifest::new(&plan);
+    let folder = arguments.out.as_deref().map(|out| SweepFolder::new(out, &manifest)).transpose()?;
+    let ensemble = &plan.ensemble;
+    if arguments.collect {
+        return Ok(finish(arguments, ensemble, folder.as_ref(), Records::new(), shard));
+    }
+    let mut records = Records::new();
+    let mut missing = Vec::new();
+    for run in shard.runs(ensemble.runs()) {
+        let there = folder.as_ref().and_then(|folder| folder.record(ensemble, run));
+        match there.filter(|record| record.fault.is_none() || !arguments.retry) {
+            Some(record) => _ = records.insert(run, record),
+            None => missing.push(run),
+        }
+    }
+    let (stop, mut trouble) = (stop_on_interrupt(), None);
+    let bar = bar(arguments.quiet, missing.len() as u64);
+    work::make(&plan, &missing, jobs, &stop, |record| {
+        bar.inc(1);
+        bar.set_message(ensemble.key(record.run));
+        if let Some(Err(text)) = folder.as_ref().map(|folder| folder.keep(ensemble, &record)) {
+            // What cannot be kept need not be made.
+            stop.store(true, Ordering::Relaxed);
+            trouble.get_or_insert(text);
+        }
+        records.insert(record.run, record);
+    });
+    bar.finish_and_clear();
+    if let Some(text) = trouble {
+        complain(&format!("error: {text}\n"));
+        return Ok(Exit::Failed);
+    }
+    let of = shard.runs(ensemble.runs()).count();
+    if records.len() < of {
+        let on = match folder {
+            Some(_) => "the same command goes on",
+            None => "with --out DIR they would be kept, and the same command would go on",
+        };
+        complain(&format!("interrupted; {} of {} are done; {on}\n", records.len(), runs(of)));
+        return Ok(Exit::Interrupted);
+    }
+    Ok(finish(arguments, ensemble, folder.as_ref(), records, shard))
+}
+
+/// `--collect` without a scene: the folder says of what it is.
+fn of_a_folder(arguments: &Sweep) -> Result<Exit, Vec<SceneFault>> {
+    let more = !arguments.vary.is_empty() || !arguments.measure.is_empty() || !arguments.overrides().is_empty();
+    let Some(out) = arguments.out.as_deref().filter(|_| !more) else {
+        let text = "without a scene the folder says what was varied, measured and set: leave these options out";
+        return Err(vec![SceneFault::of_file("--collect", text)]);
+    };
+    let (folder, manifest) = SweepFolder::open(out)?;
+    Ok(finish(arguments, &manifest.ensemble, Some(&folder), Records::new(), WHOLE))
+}
+
+/// What is to be done, or everything that is wrong with it.
+fn planned(arguments: &Sweep, scene: &Path) -> Result<(Plan, Shard, usize), Vec<SceneFault>> {
+    let mut faults = Vec::new();
+    let (mut varies, mut measures) = (Vec::new(), Vec::new());
+    for argument in &arguments.vary {
+        match Vary::read(argument) {
+            Ok(vary) => varies.push(vary),
+            Err(more) => faults.extend(more),
+        }
+    }
+    for argument in &arguments.measure {
+        match Measure::read(argument) {
+            Ok(measure) => measures.push(measure),
+            Err(fault) => faults.push(fault),
+        }
+    }
+    let shard = arguments.shard.as_deref().map_or(Ok(WHOLE), Shard::read).map_err(|fault| faults.push(fault));
+    let jobs = jobs(arguments.jobs.as_deref()).map_err(|fault| faults.push(fault));
+    let ensemble = Ensemble { title: String::new(), varies, measures };
+    let plan = Plan::new(scene, arguments.overrides(), arguments.settings.modules.modules(), ensemble)
+        .map_err(|fault| faults.push(fault));
+    match (plan, shard, jobs) {
+        (Ok(mut plan), shard, jobs) => {
+            check(&mut plan, faults)?;
+            // Both are right, or check would have had their faults to give back.
+            Ok((plan, shard.unwrap_or(WHOLE), jobs.unwrap_or(1)))
+        }
+        (Err(()), ..) => Err(faults),
+    }
+}
+
+fn jobs(text: Option<&str>) -> Result<usize, SceneFault> {
+    let Some(text) = text else { return Ok(std::thread::available_parallelism().map_or(1, usize::from)) };
+    let wrong = |said: String| Err(SceneFault::of_argument("--jobs", text, text, said, None));
+    match text.trim().parse() {
+        Ok(jobs) if (1..=MOST_JOBS).contains(&jobs) => Ok(jobs),
+        _ => wrong(format!("expected a whole number from 1 to {MOST_JOBS}, found `{}`", text.trim())),
+    }
+}
+
+/// Table and picture where all runs are there; else which are missing, and who makes them.
+fn finish(
+    arguments: &Sweep,
+    ensemble: &Ensemble,
+    folder: Option<&SweepFolder>,
+    mut records: Records,
+    shard: Shard,
+) -> Exit {
+    let mut missing = Vec::new();
+    for run in 1..=ensemble.runs() {
+        let Entry::Vacant(place) = records.entry(run) else { continue };
+        match folder.and_then(|folder| folder.record(ensemble, run)) {
+            Some(record) => _ = place.insert(record),
+            None => missing.push(run),
+        }
+    }
+    let records: Vec<Record> = records.into_values().collect();
+    let failed = records.iter().filter(|record| record.fault.is_some()).count();
+    let mut text = String::new();
+    if missing.is_empty() {
+        text += &table::words(ensemble, &records);
+        match folder.map(|folder| write(folder, ensemble, &records)) {
+            Some(Err(trouble)) => {
+                complain(&format!("error: {trouble}\n"));
+                return Exit::Failed;
+            }
+            Some(Ok(files)) => text += &format!("\nwritten to {}: {}\n", shown(arguments), files.join(", ")),
+            None => {}
+        }
+    } else {
+        let (all, lacking) = (runs(ensemble.runs()), pieces(&missing));
+        text += &format!("{} of {all} are in {}; not there, or not yet: {lacking}\n", records.len(), shown(arguments));
+        text += &who(&missing, shard);
+        text += &format!(
+            "the last one to end makes the table, and so does vesper sweep --collect --out {}\n",
+            shown(arguments)
+        );
+    }
+    if arguments.json {
+        let runs: Vec<_> = records.iter().map(|record| record.to_json(ensemble)).collect();
+        text = json::text(&json!({ "title": ensemble.title, "runs": runs, "missing": missing }));
+    }
+    // A table that was asked for and is not there is a failure; of a shard that did its part it is the usual end.
+    let lacks = arguments.collect && !missing.is_empty();
+    let said = match (arguments.quiet && !arguments.json, lacks && !arguments.json) {
+        (_, true) => {
+            complain(&text);
+            Exit::Done
+        }
+        (true, _) => Exit::Done,
+        (false, _) => say(&text),
+    };
+    if failed > 0 {
+        complain(&failures(ensemble, &records, missing.is_empty()));
+    }
+    if failed > 0 || lacks { Exit::Failed } else { said }
+}
+
+/// How many runs failed; where no table says it, also which, and why.
+fn failures(ensemble: &Ensemble, records: &[Record], in_a_table: bool) -> String {
+    let failed: Vec<&Record> = records.iter().filter(|record| record.fault.is_some()).collect();
+    let told = |record: &&Record| {
+        format!("run {} ({}): {}\n", record.run, ensemble.key(record.run), record.fault.as_deref().unwrap_or_default())
+    };
+    let some: String = failed.iter().take(if in_a_table { 0 } else { MOST_PIECES }).map(told).collect();
+    format!("{some}{} of {} failed\n", failed.len(), runs(records.len()))
+}
+
+/// Writes table and picture; their names.
+fn write(folder: &SweepFolder, ensemble: &Ensemble, records: &[Record]) -> Result<Vec<&'static str>, String> {
+    folder.write(TABLE, &table::csv(ensemble, records))?;
+    let mut files = vec![TABLE];
+    if let Some(picture) = diagram(ensemble, records) {
+        folder.write(PICTURE, &picture)?;
+        files.push(PICTURE);
+    }
+    Ok(files)
+}
+
+fn shown(arguments: &Sweep) -> String {
+    arguments.out.as_deref().unwrap_or(Path::new("")).display().to_string()
+}
+
+fn runs(count: usize) -> String {
+    crate::scene::plural(count, "run")
+}
+
+/// Who makes the missing runs.
+fn who(missing: &[usize], shard: Shard) -> String {
+    if shard == WHOLE {
+        return "the same command as before makes them, in shards or without\n".to_owned();
+    }
+    let mut shards: Vec<usize> = missing.iter().map(|run| Shard::making(*run, shard.of)).collect();
+    shards.sort_unstable();
+    shards.dedup();
+    let options: Vec<String> = shards.iter().take(MOST_PIECES).map(|k| format!("--shard {k}/{}", shard.of)).collect();
+    let more = if shards.len() > MOST_PIECES { " and so on" } else { "" };
+    format!("the same command makes them with {}{more}\n", options.join(", "))
+}
+
+/// Numbers of runs, as `2-4, 6`.
+fn pieces(runs: &[usize]) -> String {
+    let mut pieces: Vec<(usize, usize)> = Vec::new();
+    for run in runs {
+        match pieces.last_mut() {
+            Some((_, last)) if *last + 1 == *run => *last = *run,
+            _ => pieces.push((*run, *run)),
+        }
+    }
+    let told =
+        |(first, last): &(usize, usize)| if first == last { format!("{first}") } else { format!("{first}-{last}") };
+    let words: Vec<String> = pieces.iter().take(MOST_PIECES).map(told).collect();
+    format!("{}{}", words.join(", "), if pieces.len() > MOST_PIECES { " and so on" } else { "" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn missing_runs_are_told_in_few_words() {
+        assert_eq!(pieces(&[2, 3, 4, 6, 8, 9]), "2-4, 6, 8-9");
+        let odd: Vec<usize> = (1..100).step_by(2).collect();
+        assert_eq!(pieces(&odd), "1, 3, 5, 7, 9, 11, 13, 15, 17, 19 and so on");
+        let told = who(&[2, 4, 6], Shard { number: 1, of: 4 });
+        assert!(told.contains("with --shard 2/4, --shard 4/4\n"), "{told}");
+    }
+}
