@@ -5,6 +5,7 @@ import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.nio.DoubleBuffer;
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.List;
 import javax.imageio.ImageIO;
 import vesper.Builder;
@@ -125,7 +126,7 @@ final class Environment implements AutoCloseable {
     String text() {
         char[][] grid = new char[14][72];
         for (char[] line : grid) {
-            java.util.Arrays.fill(line, ' ');
+            Arrays.fill(line, ' ');
         }
         for (Body body : bodies) {
             int column = (int) Math.floor((body.x() + 12) * 3);

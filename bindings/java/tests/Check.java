@@ -1,8 +1,9 @@
+import java.util.concurrent.atomic.AtomicInteger;
 import vesper.VesperException;
 
 /** What the tests ask: that something holds, or is refused in these words. */
 final class Check {
-    private static final java.util.concurrent.atomic.AtomicInteger CHECKS = new java.util.concurrent.atomic.AtomicInteger();
+    private static final AtomicInteger CHECKS = new AtomicInteger();
 
     private Check() {}
 

@@ -98,6 +98,18 @@ final class Faults {
         Check.refused(Kind.FAULT, () -> Engine.fromScene("no scene"));
     }
 
+    /** More than there is memory for is refused where it is counted, before anything is asked for. */
+    private static void tooMuch() {
+        Check.refused(Kind.FAULT, () -> one().domain("more", 1L << 32).build());
+        Check.refused(Kind.FAULT, () -> one().domain("more", (1L << 32) - 1).column("more", "mass", 1).build());
+        try (Engine engine = one().domain("more", (1L << 32) - 1).build()) {
+            Check.refused(Kind.FAULT, () -> engine.get("more", "mass"));
+            Check.refused(Kind.FAULT, () -> engine.addRows("more", 1, Map.of()));
+            Check.refused(Kind.FAULT, () -> engine.addRows("bodies", Long.MAX_VALUE, Map.of()));
+            engine.step(1);
+        }
+    }
+
     private static void ofAnEngine() {
         Builder builder = one();
         try (Engine engine = builder.build()) {
@@ -138,6 +150,7 @@ final class Faults {
     public static void main(String[] arguments) {
         allAtOnce();
         ofParameters();
+        tooMuch();
         ofAnEngine();
         Check.done("faults");
     }

@@ -1,3 +1,4 @@
+import java.util.Arrays;
 import java.util.Map;
 import vesper.Builder;
 import vesper.Engine;
@@ -34,7 +35,8 @@ final class Rows {
             String state = engine.checkpoint();
             double there = engine.get("bodies", "position")[0];
 
-            Check.same(Check.refused(Kind.FAULT, () -> engine.addRows("bodies", 1, Map.of("mass", new double[] {1}))).isBlank(), false);
+            String text = Check.refused(Kind.FAULT, () -> engine.addRows("bodies", 1, Map.of("mass", new double[] {1})));
+            Check.that(text.contains("position") && text.contains("colour"), text);
             Check.refused(Kind.ARGUMENT, () -> engine.addRows("bodies", 1, Map.of("mass", 1)));
             Check.refused(Kind.ARGUMENT, () -> engine.addRows("bodies", -1, Map.of()));
             Check.refused(Kind.ARGUMENT, () -> engine.addRows("bodies", 1, Map.of("mass", new int[] {1})));
@@ -42,11 +44,11 @@ final class Rows {
                     "mass", new double[] {2}, "colour", new double[] {0.5}));
             engine.addRows("springs", 1, Map.of("ends", new int[] {2, 0}, "stiffness", new double[] {1}, "rest_length",
                     new double[] {1}));
-            Check.same(java.util.Arrays.toString(engine.links("springs", "ends")), "[0, 1, 2, 0]");
+            Check.same(Arrays.toString(engine.links("springs", "ends")), "[0, 1, 2, 0]");
             Check.same(engine.get("bodies", "velocity")[7], 1000.0);
             engine.removeRows("bodies", 1);
-            Check.same(java.util.Arrays.toString(engine.links("springs", "ends")), "[1, 0]");
-            Check.same(java.util.Arrays.toString(engine.get("bodies", "colour")), "[0.25, 0.5]");
+            Check.same(Arrays.toString(engine.links("springs", "ends")), "[1, 0]");
+            Check.same(Arrays.toString(engine.get("bodies", "colour")), "[0.25, 0.5]");
             Check.refused(Kind.FAULT, () -> engine.removeRows("bodies", 7));
             Check.refused(Kind.ARGUMENT, () -> engine.removeRows("bodies", -1));
             engine.advance(0.1);

@@ -2,9 +2,11 @@ import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.nio.DoubleBuffer;
 import java.nio.FloatBuffer;
+import java.util.Arrays;
 import vesper.Builder;
 import vesper.Engine;
 import vesper.Precision;
+import vesper.VesperException;
 import vesper.VesperException.Kind;
 
 /** Direct buffers are used in place: the same address, seen and changed from both sides, kept while the engine is there. */
@@ -26,7 +28,7 @@ final class Shared {
 
     private static double[] ones(int count) {
         double[] ones = new double[count];
-        java.util.Arrays.fill(ones, 1);
+        Arrays.fill(ones, 1);
         return ones;
     }
 
@@ -116,7 +118,7 @@ final class Shared {
             try (Engine next = once.build()) {
                 next.step(0.5);
                 return;
-            } catch (vesper.VesperException notYet) {
+            } catch (VesperException notYet) {
                 Check.same(notYet.getMessage(), text);
             }
         }

@@ -7,6 +7,7 @@ import java.util.ArrayList;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.function.Function;
 
 /**
  * What an engine is put together from.
@@ -107,7 +108,10 @@ public final class Builder {
         return text("law " + law, parameters, text -> law(law, text));
     }
 
-    /** Adds a stock law with parameters as a scene says them, {@code "softening = 1e3, label = 'pull'"}. */
+    /**
+     * Adds a law with parameters as a scene says them, {@code "softening = 1e3, label = 'pull'"}; one of a module of laws by
+     * {@code "module = 'wings'"}, which is found in the folders of the environment variable VESPER_LAW_PATH.
+     */
     public Builder law(String law, String parameters) {
         return with(assembly -> nativeLaw(assembly, law, parameters));
     }
@@ -181,7 +185,7 @@ public final class Builder {
     }
 
     /** Goes on with parameters as text, or keeps the fault of one that has none. */
-    private Builder text(String what, Map<String, ?> parameters, java.util.function.Function<String, Builder> then) {
+    private Builder text(String what, Map<String, ?> parameters, Function<String, Builder> then) {
         String text;
         try {
             text = SceneText.pairs(what, parameters);

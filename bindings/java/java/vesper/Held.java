@@ -4,6 +4,7 @@ import java.lang.invoke.MethodHandles;
 import java.lang.invoke.VarHandle;
 import java.lang.ref.Cleaner;
 import java.nio.ByteBuffer;
+import java.util.Arrays;
 import java.util.List;
 import java.util.Map;
 
@@ -87,7 +88,7 @@ final class Held implements Runnable {
     /** Under what a buffer is found: without the unit that may stand behind the property. */
     static List<String> key(String domain, String property) {
         String name = property == null ? null : property.split("\\[", 2)[0].trim();
-        return java.util.Arrays.asList(domain, name);
+        return Arrays.asList(domain, name);
     }
 
     /** Frees the engine, once: called by its owner, or by the cleaner when no thread can call any more. */
