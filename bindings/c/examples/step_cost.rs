@@ -1,5 +1,5 @@
 //! What a step of two bodies costs, in ns: by the library itself and through the C interface, in turns, so that both see the
-//! same machine. The median of many engines, the least of many batches for each. A frame with nothing to do shows what the
+//! same machine. The mean over many engines, the least of many batches for each. A frame with nothing to do shows what the
 //! interface adds, and little else. `step_cost.c` steps from C.
 
 use core::ffi::CStr;
@@ -10,7 +10,7 @@ use vesper_laws::{Gravity, Motion};
 
 const CALLS: u32 = 1000;
 const BATCHES: u32 = 20;
-const ENGINES: usize = 120;
+const ENGINES: usize = 240;
 const STEP: f64 = 1.0 / 1024.0;
 const POSITION: [[f64; 3]; 2] = [[0.0; 3], [1.0, 0.0, 0.0]];
 const VELOCITY: [[f64; 3]; 2] = [[0.0; 3], [0.0, 1.0, 0.0]];
@@ -55,11 +55,10 @@ fn least(best: &mut f64, mut call: impl FnMut()) {
     *best = best.min(start.elapsed().as_secs_f64() * 1e9 / f64::from(CALLS));
 }
 
-/// Prints the medians over all engines.
-fn print(what: &str, mut rust: Vec<f64>, mut c: Vec<f64>) {
-    rust.sort_by(f64::total_cmp);
-    c.sort_by(f64::total_cmp);
-    let (rust, c) = (rust[rust.len() / 2], c[c.len() / 2]);
+/// Prints the means over all engines.
+fn print(what: &str, rust: &[f64], c: &[f64]) {
+    let mean = |all: &[f64]| all.iter().sum::<f64>() / all.len() as f64;
+    let (rust, c) = (mean(rust), mean(c));
     println!("{what}: Rust {rust:.1} ns, C {c:.1} ns, {:+.1} ns", c - rust);
 }
 
@@ -91,10 +90,11 @@ fn race(turn: usize) -> Result<[f64; 6], Faults> {
     Ok(least_of)
 }
 
-/// Runs that much deeper in the stack: where calls and engines meet in a page makes ten nanoseconds and more.
-fn deeper(levels: usize, turn: usize) -> Result<[f64; 6], Faults> {
-    let room = std::hint::black_box([0_u8; 64]);
-    let least = if levels == 0 { race(turn) } else { deeper(levels - 1, turn) };
+/// Runs that much deeper in the stack, in steps of `BYTES`: where calls and engines meet in a page, and how they lie in cache
+/// lines, makes ten nanoseconds and more.
+fn deeper<const BYTES: usize>(levels: usize, turn: usize) -> Result<[f64; 6], Faults> {
+    let room = std::hint::black_box([0_u8; BYTES]);
+    let least = if levels == 0 { race(turn) } else { deeper::<BYTES>(levels - 1, turn) };
     std::hint::black_box(room);
     least
 }
@@ -102,11 +102,18 @@ fn deeper(levels: usize, turn: usize) -> Result<[f64; 6], Faults> {
 fn main() -> Result<(), Faults> {
     let mut best: [Vec<f64>; 6] = Default::default();
     for turn in 0..ENGINES {
-        best.iter_mut().zip(deeper(turn * 31 % 40, turn)?).for_each(|(all, least)| all.push(least));
+        let levels = turn * 31 % 23;
+        let least = match turn % 4 {
+            0 => deeper::<16>(levels, turn),
+            1 => deeper::<32>(levels, turn),
+            2 => deeper::<48>(levels, turn),
+            _ => deeper::<64>(levels, turn),
+        };
+        best.iter_mut().zip(least?).for_each(|(all, least)| all.push(least));
     }
     let [step, step_c, frame, frame_c, idle, idle_c] = best;
-    print("step of two bodies", step, step_c);
-    print("frame of two bodies", frame, frame_c);
-    print("frame with nothing to do", idle, idle_c);
+    print("step of two bodies", &step, &step_c);
+    print("frame of two bodies", &frame, &frame_c);
+    print("frame with nothing to do", &idle, &idle_c);
     Ok(())
 }
