@@ -1,9 +1,10 @@
-//! The loop of a row law made at run time: one call of the closure for each row, in f64.
+//! The loops of laws made at run time: one call of the closure for each row, or for all of them, in f64.
 
 use super::row::{RowCall, RowKernel};
 use super::tangent::TangentCall;
+use super::whole::Whole;
 use super::{Compile, Compiled, Kernel, MAX_SLOTS};
-use crate::law::{DynLaw, Mode, Part, Place};
+use crate::law::{DynBody, DynLaw, DynRow, Mode, Part, Place, Signature};
 use crate::property::Role;
 use crate::real::{DoubleDouble, Dual, Isa, Scalar};
 use std::sync::Arc;
@@ -21,12 +22,17 @@ impl Compile for DynLaw {
 }
 
 fn compiled<P: Scalar>(law: &DynLaw) -> Compiled<P> {
-    let kernel = Closure { slots: law.signature.slots(), law: law.clone() };
-    Compiled { signature: law.signature, energy: false, parameters: Vec::new(), kernel: Kernel::Row(Arc::new(kernel)) }
+    let signature = law.signature;
+    let kernel = match &law.body {
+        DynBody::Row(body) => Kernel::Row(Arc::new(Closure { signature, body: body.clone(), slots: signature.slots() })),
+        DynBody::Whole(body) => Kernel::Column(Box::new(Whole { signature, body: body.clone() })),
+    };
+    Compiled { signature, energy: false, parameters: Vec::new(), kernel }
 }
 
 struct Closure {
-    law: DynLaw,
+    signature: Signature,
+    body: Arc<DynRow>,
     slots: Vec<usize>,
 }
 
@@ -52,13 +58,13 @@ impl<P: Scalar> RowKernel<P> for Closure {
     /// alike (Dennis, Schnabel, Numerical Methods for Unconstrained Optimization and Nonlinear Equations, 5.4); where it is 0,
     /// by that of its property in this row, or else of 1.
     unsafe fn tangent(&self, call: &TangentCall<'_, P>) {
-        let Closure { law, slots } = self;
-        let first = law.signature.inputs().count();
+        let Closure { signature, body: law, slots } = self;
+        let first = signature.inputs().count();
         let (inputs, all) = (slots[first], slots[slots.len() - 1]);
         let outputs = all - inputs;
         let body = |given: &[f64], results: &mut [f64; MAX_SLOTS]| {
             results[..outputs].fill(0.0);
-            (law.body)(given, &mut results[..outputs]);
+            law(given, &mut results[..outputs]);
         };
         let (mut given, mut along) = ([0.0; MAX_SLOTS], [0.0; MAX_SLOTS]);
         for row in 0..call.rows {
@@ -90,7 +96,7 @@ impl<P: Scalar> RowKernel<P> for Closure {
                     }
                 }
             }
-            for (port, at) in law.signature.ports[first..].iter().zip(&slots[first..]) {
+            for (port, at) in signature.ports[first..].iter().zip(&slots[first..]) {
                 for slot in *at..at + port.property.kind.width() {
                     let to = call.slots[slot];
                     let [value, derivative] = [values, derivatives].map(|numbers| P::from_f64(numbers[slot - inputs]));
@@ -111,12 +117,12 @@ impl Closure {
     /// # Safety
     /// As for [`RowKernel::run`].
     unsafe fn rows<P: Scalar>(&self, call: &RowCall<'_, P>) {
-        let Closure { law, slots } = self;
+        let Closure { signature, body: law, slots } = self;
         let mut numbers = [0.0; MAX_SLOTS];
-        let first = law.signature.inputs().count();
+        let first = signature.inputs().count();
         let (inputs, all) = (slots[first], slots[slots.len() - 1]);
         for row in 0..call.rows {
-            for (port, slot) in law.signature.ports[..first].iter().zip(slots) {
+            for (port, slot) in signature.ports[..first].iter().zip(slots) {
                 let uniform = port.place == Place::Field && call.uniform >> slot & 1 == 1;
                 let at = if port.place == Place::Scene || uniform { 0 } else { row };
                 let width = port.property.kind.width();
@@ -127,8 +133,8 @@ impl Closure {
             }
             numbers[inputs..all].fill(0.0);
             let (given, results) = numbers.split_at_mut(inputs);
-            (law.body)(given, &mut results[..all - inputs]);
-            for (port, slot) in law.signature.ports[first..].iter().zip(&slots[first..]) {
+            law(given, &mut results[..all - inputs]);
+            for (port, slot) in signature.ports[first..].iter().zip(&slots[first..]) {
                 let width = port.property.kind.width();
                 for (number, to) in numbers[*slot..][..width].iter().zip(&call.slots[*slot..]) {
                     // SAFETY: as above; a null slot belongs to a part that is not wanted.

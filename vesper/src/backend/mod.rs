@@ -16,6 +16,7 @@ mod pair;
 mod pointers;
 mod row;
 mod tangent;
+mod whole;
 mod within;
 
 pub use column::column;

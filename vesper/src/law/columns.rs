@@ -41,6 +41,11 @@ impl<'a, P: Scalar> ColumnAccess<'a, P> {
         ColumnAccess { ports, link }
     }
 
+    /// Where the ports are, in declared order.
+    pub(crate) fn ports(&self) -> &'a [PortView<P>] {
+        self.ports
+    }
+
     /// The values of a port.
     ///
     /// # Panics
