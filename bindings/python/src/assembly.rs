@@ -165,7 +165,7 @@ impl Assembly {
             let callback = Arc::new(Callback::new(function, given, widths));
             draft.callbacks.push(callback.clone());
             let law = law.whole(move |given, results| callback.call(given, results));
-            draft.parts.made_law(law, Options { domain, label, every, ..Options::default() });
+            draft.parts.made_law(law, Options { domain, label, every, required: true, ..Options::default() });
             Ok(())
         })
     }

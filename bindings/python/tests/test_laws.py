@@ -54,7 +54,7 @@ def test_rates_sets_and_properties_of_ones_own():
     @vesper.law(rates="heat", sets="glow", widths={"spin": 3})
     def cool(heat, spin):
         assert heat.shape == (3,) and spin.shape == (3, 3)
-        return -heat, 2 * heat
+        return {"heat": -heat, "glow": 2 * heat}
 
     grains = {"heat": [1.0, 2, 3], "spin": np.ones((3, 3))}
     engine = vesper.Engine(domains={"grains": grains}, laws=[cool], integrator="runge_kutta_4", step=1e-2)
@@ -81,8 +81,15 @@ def test_an_exception_comes_through_and_nothing_has_moved():
     assert len(calls) == 21
     assert np.array_equal(engine.get("bodies", "position"), before) and engine.steps == 0
     calls.clear()
-    engine.step(10, 1e-3)
-    assert engine.steps == 10
+    engine.step(5, 1e-3)
+    assert engine.steps == 5
+
+
+def test_several_results_have_names():
+    both = vesper.Law(lambda velocity: (0, 0), adds="force", sets="glow", name="both")
+    engine = thrown([both])
+    with pytest.raises(vesper.Fault, match="law both returns tuple: return a dict with force, glow"):
+        engine.step(1, 1e-3)
 
 
 @pytest.mark.parametrize(

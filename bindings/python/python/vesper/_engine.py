@@ -158,11 +158,11 @@ def _numbers(what, values):
         array = np.asarray(values)
         if array.dtype in (np.float32, np.float64):
             return np.ascontiguousarray(array) if array.ndim else array
-        if array.dtype.kind in "iub":
+        if array.dtype.kind in "iuf":
             return array.astype(np.float64)
-        return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except ValueError as error:
         raise Fault(f"{what}: give numbers: {error}") from None
+    raise Fault(f"{what} is {values!r:.60}: give numbers")
 
 
 def _link(what, rows):

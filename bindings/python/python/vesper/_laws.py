@@ -14,8 +14,8 @@ class Law:
     """A function over whole columns as a law.
 
     Its parameters are named as the properties that it looks at, and are arrays of shape (n,) or (n, 3) in float64; those that
-    `constants` names are constants of the scene. It returns an array for each property that it `adds` to, `sets`, gives the
-    `rates` of, or `amends`, in this order. It is called once for each evaluation, with copies of the columns.
+    `constants` names are constants of the scene. It returns an array for the property that it `adds` to, `sets`, gives the
+    `rates` of, or `amends`; for several of them a dict. It is called once for each evaluation, with copies of the columns.
 
     `widths` says how many numbers a row has, 1, 3 or 4, of properties that nobody else knows.
     """
@@ -72,15 +72,20 @@ def _called(function, name, results, arguments, shapes):
     returned = function(*arguments)
     if len(results) == 1:
         returned = (returned,)
-    elif not isinstance(returned, (tuple, list)) or len(returned) != len(results):
-        raise Fault(f"law {name} returns {_said(returned)}: return {len(results)} arrays, for {', '.join(results)}")
+    elif not isinstance(returned, dict) or set(returned) != set(results):
+        raise Fault(f"law {name} returns {_said(returned)}: return a dict with {', '.join(results)}")
+    else:
+        returned = [returned[result] for result in results]
     return [_fit(name, result, array, shape) for result, array, shape in zip(results, returned, shapes)]
 
 
 def _fit(name, result, array, shape):
     shape = shape if shape[1] > 1 else shape[:1]
     try:
-        numbers = np.asarray(array, dtype=np.float64)
+        numbers = np.asarray(array)
+        if numbers.dtype.kind not in "iuf":
+            raise TypeError
+        numbers = numbers.astype(np.float64, copy=False)
         if numbers.shape != shape:
             numbers = np.broadcast_to(numbers, shape)
         return np.ascontiguousarray(numbers)
@@ -89,6 +94,8 @@ def _fit(name, result, array, shape):
 
 
 def _said(array):
+    if isinstance(array, dict):
+        return f"a dict with {', '.join(map(str, array))}"
     shape = getattr(array, "shape", None)
     return type(array).__name__ if shape is None else f"an array of shape {shape}"
 
