@@ -9,7 +9,7 @@ from time import perf_counter_ns
 import numpy as np
 import vesper
 
-CALLS, BATCHES, ENGINES, STEP = 1000, 20, 40, 1 / 1024
+CALLS, BATCHES, ENGINES, STEP = 1000, 20, 12, 1 / 1024
 
 
 def two(rows=2, laws=("motion", ("gravity", {"g": 1.0}))):

@@ -30,7 +30,8 @@ impl<'py> Given<'py> {
         if let Ok(array) = array.cast::<PyArrayDyn<u32>>() {
             return Ok(Given::Rows(read(what, array)?));
         }
-        let text = format!("{what} is an array of {}: give numbers of float64 or float32, or rows of uint32", array.dtype());
+        let text =
+            format!("{what} is an array of {}: give numbers of float64 or float32, or rows of uint32", array.dtype());
         Err(fault(text))
     }
 
@@ -52,7 +53,8 @@ fn contiguous(what: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<()> {
     if array.is_c_contiguous() {
         return Ok(());
     }
-    let text = format!("{what}: the numbers of its rows do not stand one behind the other: give np.ascontiguousarray(..)");
+    let text =
+        format!("{what}: the numbers of its rows do not stand one behind the other: give np.ascontiguousarray(..)");
     Err(fault(text))
 }
 
@@ -69,8 +71,12 @@ pub(crate) fn memory(what: &str, precision: NumberType, array: &Bound<'_, PyUnty
     let wide = array.cast::<PyArrayDyn<f64>>().map(|array| (array.data(), array.len()));
     let narrow = array.cast::<PyArrayDyn<f32>>().map(|array| (array.data(), array.len()));
     Ok(match (precision, wide, narrow) {
-        (NumberType::F64, Ok((start, count)), _) => Memory::F64(NonNull::new(start).unwrap_or(NonNull::dangling()), count),
-        (NumberType::F32, _, Ok((start, count))) => Memory::F32(NonNull::new(start).unwrap_or(NonNull::dangling()), count),
+        (NumberType::F64, Ok((start, count)), _) => {
+            Memory::F64(NonNull::new(start).unwrap_or(NonNull::dangling()), count)
+        }
+        (NumberType::F32, _, Ok((start, count))) => {
+            Memory::F32(NonNull::new(start).unwrap_or(NonNull::dangling()), count)
+        }
         _ => {
             let (name, wanted) = match precision {
                 NumberType::F32 => ("f32", "float32"),

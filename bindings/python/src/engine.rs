@@ -75,9 +75,9 @@ impl Engine {
             Err(TryLockError::WouldBlock) => {
                 Err(fault("the engine is at work, for another thread or for this law: wait until its call is done"))
             }
-            Err(TryLockError::Poisoned(_)) => {
-                Err(fault("the engine came to harm by a mistake inside the library: make another one, and tell its authors"))
-            }
+            Err(TryLockError::Poisoned(_)) => Err(fault(
+                "the engine came to harm by a mistake inside the library: make another one, and tell its authors",
+            )),
         }
     }
 
@@ -86,7 +86,8 @@ impl Engine {
         let looking = self.looks.count.load(Ordering::Relaxed);
         if looking > 0 {
             let arrays = if looking == 1 { "1 array looks" } else { &format!("{looking} arrays look") };
-            let text = format!("{what} would move columns that {arrays} at in place: delete them (del), or work with copies");
+            let text =
+                format!("{what} would move columns that {arrays} at in place: delete them (del), or work with copies");
             return Err(fault(text));
         }
         let session = self.session()?;
@@ -109,7 +110,11 @@ impl Engine {
 
     /// Runs a call that takes steps, while other threads of Python run, too.
     #[inline]
-    fn run(&self, py: Python<'_>, call: impl FnOnce(&mut Session) -> Result<(), vesper_c::session::Trouble> + Send) -> PyResult<()> {
+    fn run(
+        &self,
+        py: Python<'_>,
+        call: impl FnOnce(&mut Session) -> Result<(), vesper_c::session::Trouble> + Send,
+    ) -> PyResult<()> {
         let mut session = self.session()?;
         if self.looks.writing.load(Ordering::Relaxed) > 0 {
             for (domain, property) in self.looks.written().iter() {
@@ -136,7 +141,8 @@ impl Engine {
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = this.py();
         let mut session = this.get().settled(py)?;
-        let view = if writeable { session.column_to_change(domain, property) } else { session.column(domain, property) };
+        let view =
+            if writeable { session.column_to_change(domain, property) } else { session.column(domain, property) };
         let view = view.map_err(raised)?;
         if let Some(lender) = this.get().lender(domain, property) {
             return Ok(lender.array.bind(py).clone().into_any());

@@ -24,7 +24,9 @@ impl Compile for DynLaw {
 fn compiled<P: Scalar>(law: &DynLaw) -> Compiled<P> {
     let signature = law.signature;
     let kernel = match &law.body {
-        DynBody::Row(body) => Kernel::Row(Arc::new(Closure { signature, body: body.clone(), slots: signature.slots() })),
+        DynBody::Row(body) => {
+            Kernel::Row(Arc::new(Closure { signature, body: body.clone(), slots: signature.slots() }))
+        }
         DynBody::Whole(body) => Kernel::Column(Box::new(Whole { signature, body: body.clone() })),
     };
     Compiled { signature, energy: false, parameters: Vec::new(), kernel }
