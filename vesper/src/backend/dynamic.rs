@@ -1,9 +1,10 @@
-//! The loop of a row law made at run time: one call of the closure for each row, in f64.
+//! The loops of laws made at run time: one call of the closure for each row, or for all of them, in f64.
 
 use super::row::{RowCall, RowKernel};
 use super::tangent::TangentCall;
+use super::whole::Whole;
 use super::{Compile, Compiled, Kernel, MAX_SLOTS};
-use crate::law::{DynLaw, Mode, Part, Place, Signature};
+use crate::law::{DynBody, DynLaw, DynRow, Mode, Part, Place, Signature};
 use crate::property::Role;
 use crate::real::{DoubleDouble, Dual, Isa, Scalar};
 use std::sync::Arc;
@@ -21,18 +22,19 @@ impl Compile for DynLaw {
 }
 
 fn compiled<P: Scalar>(law: &DynLaw) -> Compiled<P> {
-    let kernel = Closure { slots: law.signature.slots(), law: law.clone() };
-    Compiled {
-        signature: law.signature,
-        energy: false,
-        parameters: Vec::new(),
-        foreign: None,
-        kernel: Kernel::Row(Arc::new(kernel)),
-    }
+    let signature = law.signature;
+    let kernel = match &law.body {
+        DynBody::Row(body) => {
+            Kernel::Row(Arc::new(Closure { signature, body: body.clone(), slots: signature.slots() }))
+        }
+        DynBody::Whole(body) => Kernel::Column(Box::new(Whole { signature, body: body.clone() })),
+    };
+    Compiled { signature, energy: false, parameters: Vec::new(), foreign: None, kernel }
 }
 
 struct Closure {
-    law: DynLaw,
+    signature: Signature,
+    body: Arc<DynRow>,
     slots: Vec<usize>,
 }
 
@@ -55,7 +57,7 @@ impl<P: Scalar> RowKernel<P> for Closure {
 
     unsafe fn tangent(&self, call: &TangentCall<'_, P>) {
         // SAFETY: the caller promises the same.
-        unsafe { by_differences(&self.law.signature, call, f64::EPSILON, &*self.law.body) }
+        unsafe { by_differences(&self.signature, call, f64::EPSILON, &*self.body) }
     }
 
     unsafe fn energy(&self, _call: &RowCall<'_, P>) -> Option<f64> {
@@ -130,12 +132,12 @@ impl Closure {
     /// # Safety
     /// As for [`RowKernel::run`].
     unsafe fn rows<P: Scalar>(&self, call: &RowCall<'_, P>) {
-        let Closure { law, slots } = self;
+        let Closure { signature, body: law, slots } = self;
         let mut numbers = [0.0; MAX_SLOTS];
-        let first = law.signature.inputs().count();
+        let first = signature.inputs().count();
         let (inputs, all) = (slots[first], slots[slots.len() - 1]);
         for row in 0..call.rows {
-            for (port, slot) in law.signature.ports[..first].iter().zip(slots) {
+            for (port, slot) in signature.ports[..first].iter().zip(slots) {
                 let uniform = port.place == Place::Field && call.uniform >> slot & 1 == 1;
                 let at = if port.place == Place::Scene || uniform { 0 } else { row };
                 let width = port.property.kind.width();
@@ -146,8 +148,8 @@ impl Closure {
             }
             numbers[inputs..all].fill(0.0);
             let (given, results) = numbers.split_at_mut(inputs);
-            (law.body)(given, &mut results[..all - inputs]);
-            for (port, slot) in law.signature.ports[first..].iter().zip(&slots[first..]) {
+            law(given, &mut results[..all - inputs]);
+            for (port, slot) in signature.ports[first..].iter().zip(&slots[first..]) {
                 let width = port.property.kind.width();
                 for (number, to) in numbers[*slot..][..width].iter().zip(&call.slots[*slot..]) {
                     // SAFETY: as above; a null slot belongs to a part that is not wanted.

@@ -17,6 +17,7 @@ mod pair;
 mod pointers;
 mod row;
 mod tangent;
+mod whole;
 mod within;
 
 pub use column::column;

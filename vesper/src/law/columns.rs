@@ -41,8 +41,7 @@ impl<'a, P: Scalar> ColumnAccess<'a, P> {
         ColumnAccess { ports, link }
     }
 
-    /// Where the values of all ports are.
-    #[cfg(feature = "modules")]
+    /// Where the ports are, in declared order.
     pub(crate) fn ports(&self) -> &'a [PortView<P>] {
         self.ports
     }

@@ -1,6 +1,6 @@
 //! Laws made at run time: from a closure here, from a compiled library through the same door.
 //!
-//! In: a name, ports, a closure over one row's numbers. Out: a law that nothing else in the system can tell from a
+//! In: a name, ports, a closure over one row's numbers, or over those of all rows. Out: a law that nothing else in the system can tell from a
 //! derived one. Its declaration is kept for the life of the program, as a derived one's is.
 
 use super::{Mode, Place, Port, Signature};
@@ -11,7 +11,11 @@ use std::sync::Arc;
 /// The body of a [`DynLaw`]: the inputs' numbers in declared order, then where the outputs' numbers go.
 pub type DynRow = dyn Fn(&[f64], &mut [f64]) + Send + Sync;
 
-/// A row law made at run time. Its body computes in f64, whatever the precision of the state.
+/// The body of a [`DynLaw`] over whole columns: the numbers of each input in declared order, row after row, then those of each
+/// output, which hold 0.
+pub type DynWhole = dyn Fn(&[Vec<f64>], &mut [Vec<f64>]) + Send + Sync;
+
+/// A law made at run time: of rows, or of whole columns. Its body computes in f64, whatever the precision of the state.
 ///
 /// ```
 /// use vesper::prelude::*;
@@ -20,7 +24,14 @@ pub type DynRow = dyn Fn(&[f64], &mut [f64]) + Send + Sync;
 #[derive(Clone)]
 pub struct DynLaw {
     pub(crate) signature: Signature,
-    pub(crate) body: Arc<DynRow>,
+    pub(crate) body: DynBody,
+}
+
+/// What a law made at run time does.
+#[derive(Clone)]
+pub(crate) enum DynBody {
+    Row(Arc<DynRow>),
+    Whole(Arc<DynWhole>),
 }
 
 impl core::fmt::Debug for DynLaw {
@@ -143,6 +154,24 @@ impl DynLawBuilder {
     /// numbers of everything it changes.
     #[must_use]
     pub fn body(self, body: impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static) -> DynLaw {
+        self.law(DynBody::Row(Arc::new(body)))
+    }
+
+    /// A body over whole columns, called once for an evaluation: for languages in which a call costs more than a row. It gets
+    /// copies of all numbers of what it looks at, row after row, and fills those of what it changes. Fields are for bodies of rows.
+    ///
+    /// ```
+    /// use vesper::prelude::*;
+    /// let drag = DynLaw::new("drag").reads(Velocity).adds(Force).whole(|given, results| {
+    ///     results[0].iter_mut().zip(&given[0]).for_each(|(force, velocity)| *force = -0.1 * velocity);
+    /// });
+    /// ```
+    #[must_use]
+    pub fn whole(self, body: impl Fn(&[Vec<f64>], &mut [Vec<f64>]) + Send + Sync + 'static) -> DynLaw {
+        self.law(DynBody::Whole(Arc::new(body)))
+    }
+
+    fn law(self, body: DynBody) -> DynLaw {
         let DynLawBuilder { name, domain, second_order, inputs, mut outputs, from } = self;
         for (output, names) in from {
             let bits = inputs.iter().enumerate().filter(|(_, input)| names.contains(&input.property.name));
@@ -164,6 +193,6 @@ impl DynLawBuilder {
             file: "",
             line: 0,
         };
-        DynLaw { signature, body: Arc::new(body) }
+        DynLaw { signature, body }
     }
 }

@@ -13,7 +13,8 @@ mod signature;
 pub use access::{Declared, Sink, Source, read, read_optional, slots, write};
 pub(crate) use columns::PortView;
 pub use columns::{ColumnAccess, DeclaredColumns, LinkSlice, Slice, SliceMut};
-pub use dynamic::{DynLaw, DynLawBuilder, DynRow};
+pub(crate) use dynamic::DynBody;
+pub use dynamic::{DynLaw, DynLawBuilder, DynRow, DynWhole};
 pub use shape::{
     ColumnFamily, ColumnLaw, InverseSquare, LinkFamily, LinkLaw, PairFamily, PairLaw, RowFamily, RowLaw, Stepped,
 };

@@ -4,6 +4,8 @@ use super::draft::{Draft, in_precision};
 use super::run::{Run, Words};
 use super::{Memory, NumberType, Numbers, NumbersMut, Trouble, View};
 use std::path::Path;
+use vesper::prelude::{DynLaw, PropertyInfo};
+use vesper::registry::Options;
 
 /// Does the same in either precision.
 macro_rules! either {
@@ -122,6 +124,26 @@ impl Assembly {
         noted!(self, draft => draft.law(name, text))
     }
 
+    /// A law of the client, made at run time. What is wrong with it is told when the engine is built.
+    pub fn made_law(&mut self, law: DynLaw, options: Options) {
+        match &mut self.0 {
+            Either::F32(draft) => draft.made_law(law, options),
+            Either::F64(draft) => draft.made_law(law, options),
+        }
+    }
+
+    /// What is meant by a name with a unit behind it or without, for a law of the client: a property that laws know, one that a
+    /// column was given of, or a new one of so many numbers.
+    ///
+    /// # Errors
+    /// No property is this wide; the unit is none.
+    pub fn property(&self, text: &str, width: usize) -> Result<PropertyInfo, Trouble> {
+        match &self.0 {
+            Either::F32(draft) => draft.property(text, width),
+            Either::F64(draft) => draft.property(text, width),
+        }
+    }
+
     /// What section `[engine]` of a scene says: `integrator = 'leapfrog', step = 1e-3, observe = ['bodies.force']`.
     ///
     /// # Errors
@@ -192,6 +214,20 @@ impl Session {
     #[inline]
     pub fn advance(&mut self, frame: f64) -> Result<(), Trouble> {
         either!(self, run => run.advance(frame))
+    }
+
+    /// Follows what changed, so that columns stay where they are until rows, laws or observers change again.
+    ///
+    /// # Errors
+    /// What changed does not fit.
+    pub fn refresh(&mut self) -> Result<(), Trouble> {
+        either!(self, run => run.refresh())
+    }
+
+    /// Traces numbers that become none to their step and law, and leaves the state as it was before that step. Costs a copy of
+    /// the state per call.
+    pub fn trace_blow_ups(&mut self, on: bool) {
+        either!(self, run => run.trace_blow_ups(on))
     }
 
     /// The time, in s.

@@ -9,10 +9,11 @@ use super::run::Run;
 use super::{Memory, Numbers, Trouble, texts};
 use core::ptr::NonNull;
 use std::path::Path;
+use vesper::backend::Compile;
 use vesper::domain::SCENE;
 use vesper::error::nearest;
 use vesper::prelude::*;
-use vesper::registry::Status;
+use vesper::registry::{Options, Status};
 use vesper_cli::assemble::{self, properties};
 use vesper_cli::modules::Modules;
 use vesper_cli::scene::Scene;
@@ -23,7 +24,7 @@ struct Part<P: Precision> {
     name: String,
     rows: usize,
     domain: Domain<P>,
-    properties: Vec<&'static str>,
+    properties: Vec<PropertyInfo>,
 }
 
 impl<P: Precision> Part<P> {
@@ -31,9 +32,9 @@ impl<P: Precision> Part<P> {
         Part { name: name.to_owned(), rows, domain: Domain::new(name).rows(rows), properties: Vec::new() }
     }
 
-    fn add(&mut self, property: &'static str, add: impl FnOnce(Domain<P>) -> Domain<P>) -> Result<(), Trouble> {
-        if self.properties.contains(&property) {
-            return Err(Trouble::fault(format!("{}.{property} is given twice: keep one", self.name)));
+    fn add(&mut self, property: PropertyInfo, add: impl FnOnce(Domain<P>) -> Domain<P>) -> Result<(), Trouble> {
+        if self.properties.iter().any(|known| known.name == property.name) {
+            return Err(Trouble::fault(format!("{}.{} is given twice: keep one", self.name, property.name)));
         }
         self.properties.push(property);
         let domain = core::mem::replace(&mut self.domain, Domain::new(&self.name));
@@ -51,6 +52,8 @@ pub(super) struct Draft<P: Precision> {
     scenes: Vec<Scene>,
     /// The whole scene among them.
     whole: Option<usize>,
+    /// Laws of the client.
+    made: Vec<(DynLaw, Options)>,
     lent: Vec<LentColumn<P>>,
     /// Where modules of laws may come from.
     modules: Modules,
@@ -64,6 +67,7 @@ impl<P: Precision> Draft<P> {
             parts,
             scenes: Vec::new(),
             whole: None,
+            made: Vec::new(),
             lent: Vec::new(),
             modules: Modules::default(),
             faults: Vec::new(),
@@ -130,13 +134,13 @@ impl<P: Precision> Draft<P> {
         }
         let Named { info, unit } = names::column(domain, property, numbers.len(), part.rows)?;
         let values = Values::new(info.kind.width(), numbers.each().collect());
-        part.add(info.name, |domain| domain.with_column(info, unit, None, values))
+        part.add(info, |domain| domain.with_column(info, unit, None, values))
     }
 
     pub(super) fn link(&mut self, domain: &str, name: &str, target: &str, rows: &[u32]) -> Result<(), Trouble> {
         let part = self.part(domain)?;
         let info = names::link(domain, name, rows.len(), part.rows)?;
-        part.add(info.name, |domain| domain.with_link(info, target, rows.to_vec()))
+        part.add(info, |domain| domain.with_link(info, target, rows.to_vec()))
     }
 
     /// Lends `count` numbers from `start` on to a column.
@@ -183,7 +187,7 @@ impl<P: Precision> Draft<P> {
         let Some(memory) = (unsafe { OfWidth::new(start, part.rows, info.kind.width()) }) else {
             return Err(refused(format!("it is a {}", info.kind)));
         };
-        part.add(name, |domain| memory.lend(domain, info))?;
+        part.add(info, |domain| memory.lend(domain, info))?;
         self.lent.push(LentColumn { domain: domain.to_owned(), property: name, bytes, memory });
         Ok(())
     }
@@ -200,6 +204,25 @@ impl<P: Precision> Draft<P> {
         let scene = texts::law::<P>(name, text, &self.domains(), &self.modules)?;
         self.scenes.push(scene);
         Ok(())
+    }
+
+    pub(super) fn made_law(&mut self, law: DynLaw, options: Options) {
+        self.made.push((law, options));
+    }
+
+    /// What is meant by a name: a property that laws know, one that a column was given of, or a new one of this width.
+    pub(super) fn property(&self, text: &str, width: usize) -> Result<PropertyInfo, Trouble> {
+        let (name, unit) = names::apart(text)?;
+        let given = || self.parts.iter().flat_map(|part| &part.properties).find(|info| info.name == name).copied();
+        let in_scene = || {
+            let columns = self.scenes.iter().flat_map(|scene| &scene.domains).flat_map(|domain| &domain.columns);
+            let column = columns.into_iter().find(|column| column.name.value == name)?;
+            properties::unknown(name, column.width, column.unit.as_ref().map(|unit| unit.value.as_str())).ok()
+        };
+        match properties::known(name).or_else(given).or_else(in_scene) {
+            Some(info) => Ok(info),
+            None => properties::unknown(name, width, unit).map_err(|why| Trouble::fault(format!("{name}: {why}"))),
+        }
     }
 
     pub(super) fn settings(&mut self, text: &str) -> Result<(), Trouble> {
@@ -234,6 +257,9 @@ impl<P: Precision> Draft<P> {
         }
         for scene in &self.scenes {
             builder = assemble::extended(scene, builder)?;
+        }
+        for (law, options) in self.made {
+            builder = builder.listed(law.compile::<P>(), options);
         }
         let whole = self.whole.map(|place| &self.scenes[place]);
         let engine = builder.build().map_err(|faults| match whole {

@@ -52,6 +52,14 @@ impl<P: Precision> Run<P> {
         self.engine.advance(frame).map_err(in_step)
     }
 
+    pub(super) fn refresh(&mut self) -> Result<(), Trouble> {
+        Ok(self.engine.refresh().map(|_| ())?)
+    }
+
+    pub(super) fn trace_blow_ups(&mut self, on: bool) {
+        self.engine.trace_blow_ups(on);
+    }
+
     pub(super) fn time(&self) -> f64 {
         self.engine.time()
     }

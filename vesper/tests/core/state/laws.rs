@@ -179,6 +179,29 @@ fn threads_give_the_bits_of_one() {
 }
 
 #[test]
+fn a_law_over_whole_columns_gives_the_bits_of_one_of_rows() {
+    let drag = DynLaw::new("drag").reads(Velocity).reads(DragCoefficient).adds(Force).whole(|given, force| {
+        for (k, force) in force[0].iter_mut().enumerate() {
+            *force = (0.0 - given[0][k]) * given[1][k / 3];
+        }
+    });
+    let weight = DynLaw::new("weight").reads(Mass).scene(GravityAcceleration).adds(Force).whole(|given, force| {
+        assert_eq!((given[0].len(), given[1].len()), (20, 3));
+        for (k, force) in force[0].iter_mut().enumerate() {
+            *force = given[1][k % 3] * given[0][k / 3];
+        }
+    });
+    let hash = |builder: Builder<f64>| {
+        let builder = builder.domain(cloud(20, 2)).step(0.01).constant(GravityAcceleration, [[0.0, 1.0, -3.0]]);
+        let mut engine = builder.integrator(RungeKutta4).law(Motion).build().unwrap();
+        engine.advance(0.5).unwrap();
+        engine.state().hash()
+    };
+    let rows = hash(Engine::builder().law(Drag).law(Weight));
+    assert_eq!(hash(Engine::builder().law(drag).law(weight)), rows);
+}
+
+#[test]
 fn a_law_made_at_run_time_gives_the_bits_of_a_derived_one() {
     let run_time = DynLaw::new("drag").reads(Velocity).reads(DragCoefficient).adds(Force).body(|row, force| {
         for c in 0..3 {
