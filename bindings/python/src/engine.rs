@@ -151,7 +151,7 @@ impl Engine {
         let mut arrays = Vec::with_capacity(components);
         for component in 0..components {
             let written = writeable.then(|| (domain.to_owned(), property.to_owned()));
-            let owner = Hold::new(this, written)?;
+            let owner = Hold::begin(this, written)?;
             // SAFETY: nothing moves columns while holds are counted, and a hold keeps the engine.
             arrays.push(unsafe { arrays::looking(&view, component, writeable, owner)? });
         }
@@ -225,7 +225,7 @@ impl Engine {
         if view.subset.is_null() {
             return Ok(None);
         }
-        let owner = Hold::new(this, None)?;
+        let owner = Hold::begin(this, None)?;
         // SAFETY: as in `view`.
         unsafe { arrays::subset(&view, owner) }.map(Some)
     }

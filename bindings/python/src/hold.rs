@@ -18,7 +18,7 @@ pub(crate) struct Hold {
 
 impl Hold {
     /// Counts one more array.
-    pub(crate) fn new<'py>(
+    pub(crate) fn begin<'py>(
         engine: &Bound<'py, Engine>,
         written: Option<(String, String)>,
     ) -> PyResult<Bound<'py, PyAny>> {
