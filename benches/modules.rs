@@ -3,7 +3,7 @@
 //! The law is `lift` of `examples/modules`, in Rust as it is and in C. What one costs on two rows is the time of sixteen of them less
 //! that of none, by sixteen.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use vesper::module::{Module, ModuleLaw};
 use vesper::prelude::*;
@@ -32,7 +32,7 @@ fn in_c() -> ModuleLaw {
         .args(["-O3", "-march=native", "-shared", "-fPIC", "-I"])
         .arg(project.join("bindings/c/include"))
         .arg("-o")
-        .args([&library, &PathBuf::from(project.join("examples/modules/c/lift.c"))])
+        .args([&library, &project.join("examples/modules/c/lift.c")])
         .status();
     assert!(done.is_ok_and(|status| status.success()), "cc compiles the example");
     let law = lift(&library);

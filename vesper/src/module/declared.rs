@@ -156,7 +156,7 @@ impl Reader {
         for (size, needed, what) in
             [(table.port_size, PORT_SIZE, "port"), (table.parameter_size, PARAMETER_SIZE, "parameter")]
         {
-            if (size as usize) < needed || size as usize % align_of::<u64>() != 0 {
+            if (size as usize) < needed || !(size as usize).is_multiple_of(align_of::<u64>()) {
                 let text = format!(
                     "{law}: a {what} has {size} bytes, and {needed} are needed: set `{what}_size` to its sizeof"
                 );

@@ -243,7 +243,7 @@ macro_rules! in_numbers {
     ($law:expr, $of:ident, $call:expr) => {
         // SAFETY: whoever uses this was promised what the function asks for.
         unsafe {
-            match $law.numbers::<P>() {
+            match $law.numbers() {
                 Numbers::Own => $law.$of::<P, P>($call),
                 Numbers::Double => $law.$of::<P, f64>($call),
                 Numbers::Single => $law.$of::<P, f32>($call),
@@ -351,7 +351,7 @@ impl<P: Scalar> RowKernel<P> for Rows {
 
 impl Rows {
     /// What rows are called with on a desk.
-    fn numbers<P: Scalar>(&self) -> Numbers {
+    fn numbers(&self) -> Numbers {
         if let Way::Desk(numbers) = self.way { numbers } else { Numbers::Own }
     }
 
