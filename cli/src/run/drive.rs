@@ -100,7 +100,7 @@ impl Drive {
 }
 
 /// A law that failed is switched off, which the report says, and the others go on; but where every law has to run.
-fn contained(result: Result<(), Faults>, strict: bool) -> Result<(), Faults> {
+pub(super) fn contained(result: Result<(), Faults>, strict: bool) -> Result<(), Faults> {
     match result {
         Err(faults) if !strict && faults.iter().all(|fault| matches!(fault, Fault::LawFailed { .. })) => Ok(()),
         other => other,

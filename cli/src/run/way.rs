@@ -11,7 +11,7 @@ use vesper_laws::catalog::CatalogPrecision;
 
 use super::compare::{Target, Targets};
 use super::course::Course;
-use super::drive::Drive;
+use super::drive::{Drive, contained};
 use super::{Compared, Outcome, Request};
 use crate::assemble;
 use crate::fault::SceneFault;
@@ -60,6 +60,14 @@ impl Way<'_> {
         assemble::run_faults(self.scene, faults)
     }
 
+    /// Looks at energy and momenta; again, without it, where a law fails that need not run.
+    fn look<P: CatalogPrecision>(&self, engine: &mut Engine<P>, outcome: &mut Outcome) -> Result<(), Faults> {
+        match outcome.drift.look(engine) {
+            Err(faults) => contained(Err(faults), self.scene.is_strict()).and_then(|()| outcome.drift.look(engine)),
+            done => done,
+        }
+    }
+
     /// Goes to the end, and shows the first moment, every so many frames, and the last moment.
     pub(super) fn go<P: CatalogPrecision>(
         &self,
@@ -104,7 +112,7 @@ impl Way<'_> {
         let mut dates = self.dates(engine.time()).into_iter().peekable();
         let mut aside = Aside { scene: self.scene, off: Vec::new(), engine: None };
         outcome.compared = self.scene.compare.is_some().then(Vec::new);
-        outcome.drift.look(engine).map_err(|faults| self.broken(&faults))?;
+        self.look(engine, outcome).map_err(|faults| self.broken(&faults))?;
         loop {
             while let Some((target, _, rest)) = dates.next_if(|(_, step, _)| *step <= engine.steps()) {
                 let distance = aside.distance(engine, target, rest, &self.targets.domain)?;
@@ -127,7 +135,7 @@ impl Way<'_> {
             drive.to(engine, next, course.step).map_err(|faults| self.broken(&faults))?;
             let between = engine.steps() < last;
             if to_look.passes(engine.steps(), course) && between {
-                outcome.drift.look(engine).map_err(|faults| self.broken(&faults))?;
+                self.look(engine, outcome).map_err(|faults| self.broken(&faults))?;
                 // To go on from where the run fails further on. Who writes no files has no use for it.
                 if request.record_every > 0 {
                     outcome.checkpoint = Some(engine.checkpoint().map_err(|faults| self.broken(&faults))?);
@@ -146,7 +154,7 @@ impl Way<'_> {
             outcome.interrupted = engine.steps() == last;
             outcome.short_step = (!outcome.interrupted).then_some((rest, course.step));
         }
-        outcome.drift.look(engine).map_err(|faults| self.broken(&faults))
+        self.look(engine, outcome).map_err(|faults| self.broken(&faults))
     }
 
     /// The targets from `begin` to the end, each with the last step before it and what is left to it, in s.

@@ -100,6 +100,8 @@ functions! {
                 let column = place(column, ColumnView::EMPTY, "the place for the column")?;
                 (column, text(domain, "the domain")?, text(property, "the property")?)
             };
+            // What changed since the last step may move columns: before, not after, somebody knows where they are.
+            session.refresh()?;
             *column = match access {
                 VESPER_READ => session.column(domain, property)?,
                 VESPER_WRITE => session.column_to_change(domain, property)?,
