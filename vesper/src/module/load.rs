@@ -218,7 +218,7 @@ unsafe fn loaded(name: &str, path: &Path) -> Result<Module, String> {
     let library = unsafe { Library::new(path) }
         .map_err(|error| format!("it is no library that can be loaded: {}", with_causes(&error)))?;
     // Never closed: a panic, or a thread of the module's, would keep a part of it here, and laws are known by their tables.
-    let library: &'static Library = Box::leak(Box::new(library));
+    let library = core::mem::ManuallyDrop::new(library);
     type Entry = unsafe extern "C" fn() -> *const abi::Module;
     let symbol = |version: u32| -> Result<Entry, libloading::Error> {
         let symbol = format!("vesper_module_v{version}");
