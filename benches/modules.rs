@@ -5,6 +5,7 @@
 
 use std::path::Path;
 use std::process::Command;
+use std::sync::OnceLock;
 use vesper::module::{Module, ModuleLaw};
 use vesper::prelude::*;
 use vesper_benches::scenes::{Bodies, STEP};
@@ -24,8 +25,13 @@ fn in_rust() -> ModuleLaw {
     lift(&program.with_file_name(file))
 }
 
-/// The example in C, compiled now.
+/// The example in C, compiled when it is first asked for.
 fn in_c() -> ModuleLaw {
+    static LAW: OnceLock<ModuleLaw> = OnceLock::new();
+    LAW.get_or_init(compiled).clone()
+}
+
+fn compiled() -> ModuleLaw {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let library = std::env::temp_dir().join(format!("libvesper_bench_lift_{}.so", std::process::id()));
     let done = Command::new("cc")

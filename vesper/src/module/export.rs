@@ -38,7 +38,10 @@ use std::sync::Arc;
 /// }
 ///
 /// vesper::export_laws![Lift];
-/// # fn main() { assert_eq!(unsafe { (*vesper_module_v1()).law_count }, 1); }
+/// # fn main() {
+/// # // SAFETY: the table stays.
+/// # assert_eq!(unsafe { (*vesper_module_v1()).law_count }, 1);
+/// # }
 /// ```
 ///
 /// The symbol is there once in a program: one that is compiled with two such crates has it twice, so that crates which are used in both ways

@@ -344,13 +344,6 @@ impl ModuleLaw {
 
     fn compiled<P: Scalar>(&self) -> Compiled<P> {
         let Declared { signature, shape, table, .. } = self.declared;
-        let listed = |kernel, foreign: Option<Arc<Instance>>| Compiled {
-            signature: *signature,
-            energy: table.energy.is_some(),
-            parameters: self.parameters.clone(),
-            foreign: foreign.map(|instance| instance as Arc<dyn crate::backend::Foreign>),
-            kernel,
-        };
         // SAFETY: whoever opened the module promised this.
         let instance = Arc::new(unsafe { Instance::new(self.declared, &self.parameters) });
         let kernel = match shape {
@@ -359,7 +352,13 @@ impl ModuleLaw {
             Shape::Link => Kernel::Link(Box::new(LinkLaws(instance.clone()))),
             Shape::Column => Kernel::Column(Box::new(Columns(instance.clone()))),
         };
-        listed(kernel, Some(instance))
+        Compiled {
+            signature: *signature,
+            energy: table.energy.is_some(),
+            parameters: self.parameters.clone(),
+            foreign: Some(instance),
+            kernel,
+        }
     }
 }
 

@@ -5,7 +5,6 @@ use super::abi;
 use super::instance::Instance;
 use super::numbers::{Numbers, native, no_call, numbers, precision, rounding};
 use crate::backend::{Lists, PairCall, PairKernel, Tally, TangentCall};
-use crate::law::MAX_SLOTS;
 use crate::real::{Isa, Scalar};
 use core::ffi::c_void;
 use core::ops::Range;
@@ -173,5 +172,3 @@ impl<P: Scalar> PairKernel<P> for Pairs {
         None
     }
 }
-
-const _: () = assert!(MAX_SLOTS <= 64, "masks of slots have 64 bits");
