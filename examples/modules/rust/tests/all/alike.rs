@@ -365,6 +365,28 @@ fn a_law_in_c_gets_fields_constants_and_optional_properties() {
 }
 
 #[test]
+fn a_link_law_in_c_gets_a_constant_of_the_scene_for_every_link() {
+    let own = "PORT(\"stiffness\", 1, VESPER_READS, 0, 1, -2)";
+    let constant =
+        "{.property = \"stiffness\", .si = {0, 1, -2}, .kind = 1, .mode = VESPER_READS, .place = VESPER_SCENE}";
+    assert!(SHAPES.contains(own));
+    let module = opened("shapes_of_constants", &SHAPES.replace("NUMBER", "double").replace(own, constant)).unwrap();
+    let run = |in_c: bool| {
+        let ends = (0..49_u32).flat_map(|k| [k, k + 1]).collect();
+        let links = Domain::new("cords").with_link(Ends::INFO, "birds", ends);
+        let builder = Engine::<f64>::builder().domain(birds(50)).law(Motion);
+        let builder = match in_c {
+            true => builder.domain(links).constant(Stiffness, 2.0).law(module.law("cord").unwrap().on("cords")),
+            false => builder.domain(links.with(Stiffness, vec![2.0; 49])).law(Cord),
+        };
+        let mut engine = builder.step(1e-2).build().unwrap_or_else(|faults| panic!("{faults}"));
+        engine.advance(0.1).unwrap();
+        positions(&engine)
+    };
+    near(&run(false), &run(true), 1e-14, "a constant");
+}
+
+#[test]
 fn instructions_do_not_matter() {
     let run = |isa| {
         let builder =
