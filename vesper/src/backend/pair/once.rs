@@ -15,7 +15,7 @@ use core::marker::PhantomData;
 use core::ops::Range;
 
 /// Rows of a strip within a block: those of one are each given what the others do, twice for every pair.
-const STRIP: usize = 64;
+const STRIP: usize = 32;
 /// Rows from which on looking at each pair once is faster; for Miri, which is slow, as many as make two blocks.
 pub(crate) const PAYS: usize = if cfg!(miri) { SMALLEST + STRIP } else { 512 };
 /// Rows of the blocks that meet: of more, those of a meeting would not stay in the first cache.
