@@ -5,17 +5,19 @@
  * engine takes steps, and between them shows and changes its columns. README.md beside this folder begins with ten lines.
  *
  * Names     A property is named as laws name it: "position", "velocity", "mass". A unit may stand behind it, "velocity [km/s]":
- *           numbers are converted when they are copied in. Without one, and everywhere else, numbers are in SI units.
+ *           numbers are converted when they are copied in or out. Without one numbers are in the property's own unit, an SI unit;
+ *           so are those of columns in place.
  * Texts     UTF-8, ending with a NUL. Those given to a function are only looked at while it runs.
  * Arrays    Interleaved: all numbers of the first row, then those of the second. `count` is the number of numbers, not of rows
- *           and not of bytes, and is checked before anything is read.
+ *           and not of bytes, and is checked before anything is read. Arrays for results have numbers already (any), and share no
+ *           memory with the column that they are of, unless they are that column.
  * Errors    Functions return a status; vesper_last_error tells the whole text. What goes wrong on a builder is kept, too, and
  *           vesper_builder_build fails with all of it: a program may look at that status alone. A call that fails changes
- *           nothing, but for steps, which stand where they broke; handles, views and texts that it would give are zero.
+ *           nothing, but for steps, which stand where they broke; handles, views, times and texts that it would give are zero.
  * Handles   Plain numbers, 0 for none. One that was freed is an error and not a crash, also if its place is taken again.
  * Threads   A builder or engine belongs to the thread that made it. Another thread's call is VESPER_ERROR_THREAD, until the
  *           owner calls vesper_engine_let_go or ends; then the next thread that calls has it. Different engines run on
- *           different threads at once. An engine's own threads need no care.
+ *           different threads at once. An engine's own threads need no care, but for the log.
  *
  * Checked against the library's code by `cargo test -p vesper-c`.
  */
@@ -109,8 +111,9 @@ typedef struct vesper_values {
     vesper_type type;     /* VESPER_F32 or VESPER_F64; VESPER_U32 for a link */
 } vesper_values;
 
-/* A function of the client that is given what is logged. It may be called on any thread that calls the library, and must not
- * throw. The text is the library's, and is there until the function returns. */
+/* A function of the client that is given what is logged. It may be called on any thread that calls the library, and on an engine's
+ * own threads by laws of modules, on several at once. It must not throw, and calls no function on handles. The text is the
+ * library's, and is there until the function returns. */
 typedef void (*vesper_log_callback)(uint32_t level, const char *text, void *user);
 
 /* ---- General: from any thread ---------------------------------------------------------------------------------------------- */
@@ -145,7 +148,7 @@ vesper_status vesper_builder_column(vesper_builder builder, const char *domain, 
                                     const void *values, size_t count);
 
 /* Adds a column in memory of the caller: no number is ever copied. The type is that of the engine, aligned as the type is, in the
- * property's own unit; no two columns share memory. The memory stays where it is until the engine is freed. The caller reads and
+ * property's own unit; no two columns, of one engine or of several, share memory. It stays where it is until the engine is freed. The caller reads and
  * writes it whenever no function runs on this engine; what was written is seen by the next step. Domains with lent columns
  * cannot change their number of rows. */
 vesper_status vesper_builder_lend(vesper_builder builder, const char *domain, const char *property, vesper_type type,
@@ -173,7 +176,7 @@ vesper_status vesper_builder_settings(vesper_builder builder, const char *settin
 vesper_status vesper_builder_scene(vesper_builder builder, const char *scene, const char *folder);
 
 /* Checks everything, orders the laws, and makes the engine. Fails with all that went wrong on the builder, and with laws that
- * sleep by a slip of the pen. The builder is freed in any case. */
+ * sleep by a slip of the pen. The builder is freed in any case, unless another thread has it. */
 vesper_status vesper_builder_build(vesper_builder builder, vesper_engine *engine);
 
 /* Frees a builder that is not to be built. */
@@ -192,13 +195,14 @@ vesper_status vesper_engine_advance(vesper_engine engine, double frame);
 vesper_status vesper_engine_time(vesper_engine engine, double *time, uint64_t *steps);
 
 /* Where the numbers of a column are: given ones, links, and what is observed. The pointers are the engine's (or the caller's
- * own, where lent). They stay good until rows, laws or observers change or the engine is freed; with a graphics processor until
- * the next step. To change numbers ask with VESPER_WRITE, each time, and write finite ones. With `moving_origin` positions are
+ * own, where lent). They stay good until rows, laws or observers change, a law fails, a checkpoint is gone on from or the engine is
+ * freed; with a graphics processor until the next step. To change numbers ask with VESPER_WRITE, each time, and write finite ones. With `moving_origin` positions are
  * from the origin that moves; vesper_engine_get gives them from where coordinates begin. */
 vesper_status vesper_engine_column(vesper_engine engine, const char *domain, const char *property, uint32_t access,
                                    vesper_column *column);
 
-/* Copies all numbers of a column to the caller, in VESPER_F32 or VESPER_F64 (VESPER_U32 for a link), interleaved. */
+/* Copies all numbers of a column to the caller, in VESPER_F32 or VESPER_F64 (VESPER_U32 for a link), interleaved; in the unit behind
+ * its name. */
 vesper_status vesper_engine_get(vesper_engine engine, const char *domain, const char *property, vesper_type type, void *values,
                                 size_t count);
 
@@ -223,7 +227,8 @@ vesper_status vesper_engine_observe(vesper_engine engine, const char *domain, co
  * function for it, or until it is freed. */
 vesper_status vesper_engine_text(vesper_engine engine, uint32_t which, const char **text);
 
-/* Goes on from a checkpoint of an engine that was put together alike; rows may differ. Lent memory is written. */
+/* Goes on from a checkpoint of an engine that was put together alike; rows may differ. Lent memory is written, columns of the engine's
+ * own move. */
 vesper_status vesper_engine_restore(vesper_engine engine, const char *checkpoint);
 
 /* Lets the next thread that calls have the engine. */

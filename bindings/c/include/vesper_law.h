@@ -63,7 +63,7 @@ enum {
 };
 
 /* Numbers that a law takes; what the program computes in otherwise is converted for each call. */
-enum { VESPER_F32 = 1, VESPER_F64 = 2 };
+enum { VESPER_LAW_F32 = 1, VESPER_LAW_F64 = 2 };
 
 /* What a property is to integrators: VESPER_AS_USUAL for properties that Vesper knows (position, velocity, force, ...). Of others, a
  * law that adds makes a sum, and what a law gives the rate of is a state. */
@@ -119,7 +119,7 @@ typedef struct vesper_host {
 /* One call. Rows `begin` to before `end` are to be computed, and no others are to be written. */
 typedef struct vesper_call {
     uint32_t struct_size;
-    uint32_t precision; /* VESPER_F32: the slots are floats; VESPER_F64: doubles */
+    uint32_t precision; /* VESPER_LAW_F32: the slots are floats; VESPER_LAW_F64: doubles */
     size_t begin, end;
     size_t others_begin, others_end; /* of pairs, the rows j; of links, all links that there are */
     void *const *slots;    /* a pointer for each component of each port, in their order: to row 0; NULL where optional and absent */
@@ -136,7 +136,7 @@ typedef struct vesper_law {
     uint32_t port_size;      /* sizeof(vesper_port) */
     uint32_t parameter_size; /* sizeof(vesper_parameter) */
     uint32_t shape;          /* VESPER_ROWS, ... */
-    uint32_t precisions;     /* VESPER_F32, VESPER_F64 or both */
+    uint32_t precisions;     /* VESPER_LAW_F32, VESPER_LAW_F64 or both */
     uint32_t native;         /* 0 */
     const char *name;        /* small letters, digits and _ */
     const char *doc;         /* may be NULL */

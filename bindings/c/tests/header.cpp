@@ -1,12 +1,14 @@
-// The header in C++17: every function is there with C's names, and a small program runs.
+// The headers in C++17, together and twice: every function is there with C's names, and a small program runs.
 #include "vesper.h"
+#include "vesper_law.h"
 #include "vesper.h"
+#include "vesper_law.h"
 #include <array>
 #include <string_view>
 #include <type_traits>
 
 static_assert(std::is_trivially_copyable_v<vesper_engine> && std::is_standard_layout_v<vesper_column>);
-static_assert(sizeof(vesper_engine) == 8);
+static_assert(sizeof(vesper_engine) == 8 && VESPER_LAW_F64 == 2 && VESPER_F64 == 2);
 
 int main() {
     vesper_builder builder{};

@@ -3,6 +3,7 @@
  * them against Rust.
  */
 #include "vesper.h"
+#include "vesper_law.h"
 
 /* C99 has no static assertion: an array of -1 elements is an error. */
 #define HOLDS(what, name) typedef char name##_holds[(what) ? 1 : -1]

@@ -90,6 +90,9 @@ static vesper_builder right_builder(void) {
     return builder;
 }
 
+/* A state that an engine told. */
+static char checkpoint[100000];
+
 /* The most memory that the program has taken so far, in kB. */
 static long memory(void) {
     struct rusage usage;
@@ -177,11 +180,13 @@ static vesper_status call(void) {
         return vesper_engine_observe(engine, domain, property);
     case 23:
         status = vesper_engine_text(engine, (uint32_t)(count % 5), null ? NULL : &text);
-        if (status == VESPER_OK && strlen(text) > 1000000)
+        if (status == VESPER_OK && strlen(text) >= sizeof checkpoint)
             exit(1);
+        if (status == VESPER_OK && count % 5 == VESPER_CHECKPOINT)
+            strcpy(checkpoint, text);
         return status;
     case 24:
-        return vesper_engine_restore(engine, parameters);
+        return vesper_engine_restore(engine, null ? parameters : checkpoint);
     case 25:
         return vesper_engine_let_go(engine);
     default:

@@ -3,10 +3,9 @@
 //! In: the handle of what is being put together, names, arrays, direct buffers. Out: in the end the handle of an engine. Never: an
 //! exception for what does not fit: faults are kept, so that building tells all of them at once.
 
-use crate::arguments::{memory, numbers, range, rows, text, text_or_empty};
+use crate::arguments::{memory, numbers, rows, text, text_or_empty};
 use crate::failure::{Failure, argument, caught, in_java, told};
 use crate::held::{Held, HeldAssembly};
-use crate::ranges::Ranges;
 use jni::objects::{JByteBuffer, JDoubleArray, JIntArray, JObject, JString};
 use jni::sys::{jboolean, jlong};
 use jni::{Env, EnvUnowned, jni_mangle};
@@ -40,7 +39,7 @@ fn described<'local, A>(
 pub fn native_begin<'local>(mut env: EnvUnowned<'local>, _builder: JObject<'local>, single: jboolean) -> jlong {
     let precision = if single { NumberType::F32 } else { NumberType::F64 };
     let assembly = Assembly::new(precision).map_err(Failure::Trouble);
-    told(&mut env, assembly.map(|assembly| Held::handle(assembly, Ranges::default())))
+    told(&mut env, assembly.map(|assembly| Held::handle(assembly)))
 }
 
 /// Keeps a fault that Java found.
@@ -112,8 +111,6 @@ pub fn native_lend<'local>(
         let domain = text(env, &domain, "the domain")?;
         let what = format!("{domain}.{property}");
         let memory = memory(env, &buffer, precision, &what)?;
-        // SAFETY: as in `described`; the call ends here.
-        unsafe { HeldAssembly::of(handle) }.ranges.take(&what, range(memory))?;
         Ok((domain, property, memory))
     };
     described(&mut env, handle, read, |assembly, (domain, property, memory)| {
@@ -189,9 +186,9 @@ pub fn native_scene<'local>(
 #[jni_mangle("vesper.Builder")]
 pub fn native_build<'local>(mut env: EnvUnowned<'local>, _builder: JObject<'local>, handle: jlong) -> jlong {
     // SAFETY: as in `described`; Java forgets the handle before it calls.
-    let (assembly, ranges) = unsafe { HeldAssembly::take(handle) };
+    let assembly = unsafe { HeldAssembly::take(handle) };
     let session = caught(|| assembly.build().map_err(Failure::Trouble)).and_then(|session| session);
-    told(&mut env, session.map(|session| Held::handle(session, ranges)))
+    told(&mut env, session.map(|session| Held::handle(session)))
 }
 
 /// Forgets what was not built.

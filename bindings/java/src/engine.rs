@@ -6,12 +6,11 @@
 use crate::arguments::{memory, numbers, range, room, room_in, rows, text, texts};
 use crate::failure::{Failure, argument, caught, in_java, told};
 use crate::held::HeldSession;
-use crate::ranges;
 use jni::objects::{JByteBuffer, JClass, JDoubleArray, JIntArray, JObject, JObjectArray, JString};
 use jni::refs::IntoAuto;
 use jni::sys::{jboolean, jdouble, jint, jlong};
 use jni::{Env, EnvUnowned, jni_mangle};
-use vesper_c::session::{Numbers, NumbersMut, Session, Words};
+use vesper_c::session::{Numbers, NumbersMut, Session, Words, is_lent};
 
 /// A call that needs nothing from Java.
 #[inline]
@@ -132,7 +131,7 @@ pub fn native_get_direct<'local>(
         let (domain, property) = names(env, &domain, &property)?;
         let what = format!("{domain}.{property}");
         let memory = memory(env, &buffer, session.precision(), &what)?;
-        if ranges::in_use(&range(memory)) {
+        if is_lent(&range(memory)) {
             return argument(format!("the buffer for {what} is lent to an engine: read it as it is, or give another"));
         }
         // SAFETY: Java has the buffer during the call, and no engine has some of its memory.

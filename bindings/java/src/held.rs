@@ -4,17 +4,14 @@
 //! that a panic left half done, but to be closed.
 
 use crate::failure::{Failure, caught};
-use crate::ranges::Ranges;
 use core::ptr;
 use jni::sys::jlong;
 use vesper_c::session::{Assembly, Session};
 
-/// An engine, or what is to become one, and the memory of Java that it uses.
+/// An engine, or what is to become one.
 #[derive(Debug)]
 pub(crate) struct Held<T> {
     value: T,
-    /// Given back when the value is gone.
-    pub(crate) ranges: Ranges,
     /// A call is under way, or ended in a panic.
     half_done: bool,
 }
@@ -30,8 +27,8 @@ const _: () = {
 
 impl<T> Held<T> {
     /// The handle of a value.
-    pub(crate) fn handle(value: T, ranges: Ranges) -> jlong {
-        let held = Box::new(Held { value, ranges, half_done: false });
+    pub(crate) fn handle(value: T) -> jlong {
+        let held = Box::new(Held { value, half_done: false });
         Box::into_raw(held).expose_provenance() as jlong
     }
 
@@ -49,10 +46,9 @@ impl<T> Held<T> {
     ///
     /// # Safety
     /// As [`Held::of`].
-    pub(crate) unsafe fn take(handle: jlong) -> (T, Ranges) {
+    pub(crate) unsafe fn take(handle: jlong) -> T {
         // SAFETY: the address came from a box, which is taken once.
-        let held = *unsafe { Box::from_raw(ptr::with_exposed_provenance_mut::<Held<T>>(handle as usize)) };
-        (held.value, held.ranges)
+        unsafe { Box::from_raw(ptr::with_exposed_provenance_mut::<Held<T>>(handle as usize)) }.value
     }
 
     /// A call on the value.

@@ -13,4 +13,3 @@ mod builder;
 mod engine;
 mod failure;
 mod held;
-mod ranges;

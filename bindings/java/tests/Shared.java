@@ -108,7 +108,7 @@ final class Shared {
         Builder builder = falling(Precision.F64, 100_000).lend("bodies", "position", again);
         builder.column("bodies", "velocity", new double[300_000]).column("bodies", "mass", ones(100_000));
         String text = Check.refused(Kind.FAULT, builder::build);
-        Check.same(text, "bodies.position cannot be lent: another engine has this memory: close that one first");
+        Check.same(text, "bodies.position cannot be lent: another engine has some of this memory: close or free that one first");
         engine = null;
         for (int round = 0; round < 100; round++) {
             System.gc();

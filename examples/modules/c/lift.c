@@ -24,7 +24,7 @@ static const vesper_port ports[] = {
 static const vesper_parameter parameters[] = {{.name = "slope", .unit = "kg/s", .width = 1, .has_default = 1, .default_value = {0.1}}};
 static const vesper_law lift = {
     .struct_size = sizeof lift, .port_size = sizeof *ports, .parameter_size = sizeof *parameters,
-    .shape = VESPER_ROWS, .precisions = VESPER_F64, .name = "lift", .doc = "Lift of a wing, by the speed forwards.",
+    .shape = VESPER_ROWS, .precisions = VESPER_LAW_F64, .name = "lift", .doc = "Lift of a wing, by the speed forwards.",
     .port_count = 2, .ports = ports, .parameter_count = 1, .parameters = parameters,
     .create = create, .apply = apply, .destroy = free,
 };

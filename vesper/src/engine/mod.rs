@@ -266,11 +266,17 @@ impl<P: Scalar> Engine<P> {
         Ok(())
     }
 
+    /// Whether columns are where the next step finds them: since the last one neither rows, laws nor what is observed changed, and
+    /// no law failed. What changed moves columns when the engine follows, in [`Engine::refresh`] or the next step.
+    pub fn is_settled(&self) -> bool {
+        !self.stale && self.pipeline.layout == self.state.layout()
+    }
+
     /// Follows what the client changed since the last step.
     #[inline]
     fn prepare(&mut self) -> Result<(), Faults> {
         self.look_after_device()?;
-        if self.stale || self.pipeline.layout != self.state.layout() {
+        if !self.is_settled() {
             self.pipeline.come_home(true);
             self.pipeline.tell_loss()?;
             self.rebuild()?;

@@ -149,7 +149,7 @@ functions! {
         guarded(|| {
             // SAFETY: as the header says.
             let engine = unsafe { place(engine, EngineId { id: 0 }, "the place for the engine") };
-            let assembly = ASSEMBLIES.remove(builder.id)?;
+            let assembly = ASSEMBLIES.remove_whole(builder.id)?;
             // Nothing is built that nobody could free.
             let engine = engine?;
             engine.id = ENGINES.insert(Held::new((*assembly).build()?))?;

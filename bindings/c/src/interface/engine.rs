@@ -8,7 +8,7 @@ use super::columns::{ColumnView, Type, VESPER_READ, VESPER_WRITE, Values};
 use super::declare::{constants, functions, records};
 use super::failure::{Failure, Status, guarded, in_c, told};
 use super::handles::ENGINES;
-use crate::session::{Session, Words};
+use crate::session::{Session, Trouble, Words};
 use core::ffi::{c_char, c_void};
 use core::ptr;
 use std::ffi::CString;
@@ -72,16 +72,14 @@ functions! {
 
     /// The time, in s, and the steps taken.
     fn vesper_engine_time(engine: EngineId, time: *mut f64, steps: *mut u64) -> Status {
+        // SAFETY: as the header says.
+        let time = (!time.is_null()).then(|| unsafe { place(time, 0.0, "the place for the time") });
+        // SAFETY: as the header says.
+        let steps = (!steps.is_null()).then(|| unsafe { place(steps, 0, "the place for the steps") });
         on(engine, |session| {
-            // SAFETY: as the header says.
-            unsafe {
-                if !time.is_null() {
-                    *place(time, 0.0, "the place for the time")? = session.time();
-                }
-                if !steps.is_null() {
-                    *place(steps, 0, "the place for the steps")? = session.steps();
-                }
-            }
+            let (time, steps) = (time.transpose()?, steps.transpose()?);
+            time.into_iter().for_each(|time| *time = session.time());
+            steps.into_iter().for_each(|steps| *steps = session.steps());
             Ok(())
         })
     }
@@ -94,12 +92,12 @@ functions! {
         access: u32,
         column: *mut ColumnView,
     ) -> Status {
+        // SAFETY: as the header says.
+        let column = unsafe { place(column, ColumnView::EMPTY, "the place for the column") };
         on(engine, |session| {
+            let column = column?;
             // SAFETY: as the header says.
-            let (column, domain, property) = unsafe {
-                let column = place(column, ColumnView::EMPTY, "the place for the column")?;
-                (column, text(domain, "the domain")?, text(property, "the property")?)
-            };
+            let (domain, property) = unsafe { (text(domain, "the domain")?, text(property, "the property")?) };
             // What changed since the last step may move columns: before, not after, somebody knows where they are.
             session.refresh()?;
             *column = match access {
@@ -176,8 +174,14 @@ functions! {
     fn vesper_engine_remove_rows(engine: EngineId, domain: *const c_char, rows: *const u32, count: usize) -> Status {
         on(engine, |session| {
             // SAFETY: as the header says.
-            let (domain, rows) =
-                unsafe { (text(domain, "the domain")?, array::<u32>(rows.cast(), count, "the rows")?) };
+            let domain = unsafe { text(domain, "the domain")? };
+            let there = session.rows(domain)?;
+            if count > there {
+                let text = format!("{count} rows of {domain} cannot be removed: there are {there}");
+                return Err(Trouble::Fault(text).into());
+            }
+            // SAFETY: as the header says.
+            let rows = unsafe { array::<u32>(rows.cast(), count, "the rows")? };
             Ok(session.remove_rows(domain, rows)?)
         })
     }
@@ -199,9 +203,10 @@ functions! {
 
     /// What the engine has to say.
     fn vesper_engine_text(engine: EngineId, which: u32, text_: *mut *const c_char) -> Status {
+        // SAFETY: as the header says.
+        let said = unsafe { place(text_, ptr::null(), "the place for the text") };
         told(ENGINES.with(engine.id, |held| {
-            // SAFETY: as the header says.
-            let said = unsafe { place(text_, ptr::null(), "the place for the text")? };
+            let said = said?;
             let words = match which {
                 VESPER_REPORT => Words::Report,
                 VESPER_EXPLAIN => Words::Explain,

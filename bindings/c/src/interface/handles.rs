@@ -29,6 +29,8 @@ const CHUNKS: usize = 256;
 
 /// In place of a thread's number: nobody has the value, the next thread that calls does.
 const NOBODY: u64 = u64::MAX - 1;
+/// The same of a value that can only be freed.
+const NOBODY_BROKEN: u64 = u64::MAX - 2;
 /// In place of a thread's number: there is no value.
 const EMPTY: u64 = u64::MAX;
 /// Beside a thread's number: a call is under way.
@@ -149,6 +151,13 @@ impl<T: Send> Table<T> {
         Err(Failure::new(VESPER_ERROR_PANIC, text))
     }
 
+    /// Takes a value away that no panic left half done: its handle is none any more, whatever comes of it.
+    pub(super) fn remove_whole(&'static self, handle: u64) -> Result<Box<T>, Failure> {
+        let whole = self.whole(handle).map(|_| ());
+        let value = self.remove(handle);
+        whole.and(value)
+    }
+
     /// Takes a value away: its handle is none any more.
     pub(super) fn remove(&'static self, handle: u64) -> Result<Box<T>, Failure> {
         let slot = self.mine(handle)?;
@@ -175,8 +184,10 @@ impl<T: Send> Table<T> {
     fn let_go_of_all(&'static self, thread: u64) {
         let made = self.free.lock().unwrap_or_else(PoisonError::into_inner).made;
         for slot in (0..made).filter_map(|index| self.slot(index.into())) {
-            if slot.owner.load(Ordering::Relaxed) == thread {
-                slot.owner.store(NOBODY, Ordering::Release);
+            match slot.owner.load(Ordering::Relaxed) {
+                owner if owner == thread => slot.owner.store(NOBODY, Ordering::Release),
+                owner if owner == thread | BROKEN => slot.owner.store(NOBODY_BROKEN, Ordering::Release),
+                _ => {}
             }
         }
     }
@@ -199,19 +210,20 @@ impl<T: Send> Table<T> {
             let text = format!("a call on this {} is under way: wait until it is done, also in a callback", self.what);
             return Err(Failure::new(VESPER_ERROR_THREAD, text));
         }
-        let taken = slot.owner.compare_exchange(NOBODY, me, Ordering::Acquire, Ordering::Relaxed).is_ok();
+        let take = |from, to| slot.owner.compare_exchange(from, to, Ordering::Acquire, Ordering::Relaxed).is_ok();
+        let left = [(NOBODY, me), (NOBODY_BROKEN, me | BROKEN)].into_iter().find(|&(from, to)| take(from, to));
         // It may have been freed, and the slot used anew, since the generation was looked at.
-        match (taken, Self::is_known(slot, handle)) {
-            (true, true) => Ok(slot),
-            (true, false) => {
-                slot.owner.store(NOBODY, Ordering::Release);
+        match (left, Self::is_known(slot, handle)) {
+            (Some(_), true) => Ok(slot),
+            (Some((from, _)), false) => {
+                slot.owner.store(from, Ordering::Release);
                 Err(self.unknown(handle))
             }
-            (false, true) => {
+            (None, true) => {
                 let text = format!("this {} belongs to another thread: let go of it there first", self.what);
                 Err(Failure::new(VESPER_ERROR_THREAD, text))
             }
-            (false, false) => Err(self.unknown(handle)),
+            (None, false) => Err(self.unknown(handle)),
         }
     }
 
@@ -329,5 +341,20 @@ mod tests {
         assert_eq!(after.text, "an earlier call left this box half done when it panicked: free it");
         assert!(TABLE.remove(handle).is_ok());
         assert_eq!(TABLE.with(handle, |_| Ok(())).unwrap_err().status, VESPER_ERROR_HANDLE);
+    }
+
+    #[test]
+    fn what_panicked_is_not_built_and_can_be_freed_when_its_thread_has_ended() {
+        let broken = || {
+            let handle = ASSEMBLIES.insert(Assembly::new(crate::session::NumberType::F64).unwrap()).unwrap();
+            ASSEMBLIES.with(handle, |_| -> Result<(), Failure> { panic!("on purpose") }).unwrap_err();
+            handle
+        };
+        let handle = broken();
+        assert_eq!(ASSEMBLIES.remove_whole(handle).unwrap_err().status, VESPER_ERROR_PANIC);
+        assert_eq!(ASSEMBLIES.remove(handle).unwrap_err().status, VESPER_ERROR_HANDLE);
+        let left = std::thread::spawn(broken).join().unwrap();
+        assert_eq!(ASSEMBLIES.with(left, |_| Ok(())).unwrap_err().status, VESPER_ERROR_PANIC);
+        assert!(ASSEMBLIES.remove(left).is_ok());
     }
 }

@@ -224,6 +224,19 @@ impl Session {
         either!(self, run => run.refresh())
     }
 
+    /// Whether columns are where the next step finds them: [`Session::refresh`] says when they move, a law that failed moves them, too.
+    pub fn is_settled(&self) -> bool {
+        either!(self, run => run.is_settled())
+    }
+
+    /// How many rows a domain has.
+    ///
+    /// # Errors
+    /// There is no such domain.
+    pub fn rows(&self, domain: &str) -> Result<usize, Trouble> {
+        either!(self, run => run.rows(domain))
+    }
+
     /// Traces numbers that become none to their step and law, and leaves the state as it was before that step. Costs a copy of
     /// the state per call.
     pub fn trace_blow_ups(&mut self, on: bool) {
@@ -256,10 +269,10 @@ impl Session {
         either!(self, run => run.column_to_change(domain, property))
     }
 
-    /// Copies all numbers of a column, row after row, in its own unit and from where coordinates begin.
+    /// Copies all numbers of a column, row after row, from where coordinates begin, in its own unit or in the one behind its name.
     ///
     /// # Errors
-    /// As [`Session::column`]; there is room for another number of them, or of another type.
+    /// As [`Session::column`]; there is room for another number of them, or of another type, or some of it is the column's own.
     pub fn get(&self, domain: &str, property: &str, numbers: NumbersMut<'_>) -> Result<(), Trouble> {
         either!(self, run => run.get(domain, property, numbers))
     }
@@ -267,7 +280,7 @@ impl Session {
     /// Changes all numbers of a column; nothing is changed where one does not fit.
     ///
     /// # Errors
-    /// As [`Session::get`]; a number is infinite or NaN.
+    /// As [`Session::get`]; a number is infinite or NaN. Numbers that are the column itself are looked at, and stay.
     pub fn set(&mut self, domain: &str, property: &str, numbers: Numbers<'_>) -> Result<(), Trouble> {
         either!(self, run => run.set(domain, property, numbers))
     }

@@ -3,7 +3,7 @@
 //! In: domains, columns, memory, pieces of scenes, one after the other. Out: a [`Run`]. Every fault is given at once, and kept:
 //! a client that looks at nothing but the end finds them all there. Never: an engine that lacks what was refused.
 
-use super::lending::{LentColumn, OfWidth};
+use super::lending::{LentColumn, OfWidth, Taken, overlap};
 use super::names::{self, Named};
 use super::run::Run;
 use super::{Memory, Numbers, Trouble, texts};
@@ -165,10 +165,8 @@ impl<P: Precision> Draft<P> {
             return Err(Trouble::Argument(text));
         };
         let bytes = first..last;
-        let shared = |other: &&LentColumn<P>| {
-            !bytes.is_empty() && other.bytes.start < bytes.end && bytes.start < other.bytes.end
-        };
-        let shared = self.lent.iter().find(shared).map(|other| format!("{}.{}", other.domain, other.property));
+        let shared = self.lent.iter().find(|other| overlap(other.taken.bytes(), &bytes));
+        let shared = shared.map(|other| format!("{}.{}", other.domain, other.property));
         let part = self.part(domain)?;
         let Named { info, unit } = names::column(domain, property, count, part.rows)?;
         let name = info.name;
@@ -176,19 +174,22 @@ impl<P: Precision> Draft<P> {
         if domain == SCENE {
             return Err(refused("constants do not change while laws run: give the value".to_owned()));
         }
-        if !names::is_own(&info, unit) {
+        if names::factor(domain, &info, unit)? != 1.0 {
             let text = format!("it is used as it is, in {}: convert the numbers, or have them copied", info.unit);
             return Err(refused(text));
         }
         if let Some(other) = shared {
             return Err(refused(format!("{other} has some of the same memory: lend each column memory of its own")));
         }
+        let Some(taken) = Taken::new(bytes) else {
+            return Err(refused("another engine has some of this memory: close or free that one first".to_owned()));
+        };
         // SAFETY: the caller promised this many numbers from `start` on, and `column` that they are all the rows' numbers.
         let Some(memory) = (unsafe { OfWidth::new(start, part.rows, info.kind.width()) }) else {
             return Err(refused(format!("it is a {}", info.kind)));
         };
         part.add(info, |domain| memory.lend(domain, info))?;
-        self.lent.push(LentColumn { domain: domain.to_owned(), property: name, bytes, memory });
+        self.lent.push(LentColumn { domain: domain.to_owned(), property: name, memory, taken });
         Ok(())
     }
 

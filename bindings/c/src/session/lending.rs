@@ -5,16 +5,59 @@
 
 use core::ops::Range;
 use core::ptr::NonNull;
+use std::sync::{Mutex, PoisonError};
 use vesper::prelude::*;
+
+/// The memory that all engines of this process have at the moment: two may run on two threads, and each believes that its memory is
+/// its own.
+static IN_USE: Mutex<Vec<Range<usize>>> = Mutex::new(Vec::new());
+
+/// Whether two pieces of memory have a byte in common.
+pub(super) fn overlap(one: &Range<usize>, other: &Range<usize>) -> bool {
+    one.start.max(other.start) < one.end.min(other.end)
+}
+
+/// Whether an engine has some of this memory.
+pub fn is_lent(bytes: &Range<usize>) -> bool {
+    IN_USE.lock().unwrap_or_else(PoisonError::into_inner).iter().any(|other| overlap(bytes, other))
+}
+
+/// Memory that one engine has; given back when dropped.
+#[derive(Debug)]
+pub(super) struct Taken(Range<usize>);
+
+impl Taken {
+    /// Takes these addresses, unless an engine has some of them.
+    pub(super) fn new(bytes: Range<usize>) -> Option<Self> {
+        let mut in_use = IN_USE.lock().unwrap_or_else(PoisonError::into_inner);
+        if in_use.iter().any(|other| overlap(&bytes, other)) {
+            return None;
+        }
+        in_use.push(bytes.clone());
+        Some(Taken(bytes))
+    }
+
+    pub(super) fn bytes(&self) -> &Range<usize> {
+        &self.0
+    }
+}
+
+impl Drop for Taken {
+    fn drop(&mut self) {
+        let mut in_use = IN_USE.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(place) = in_use.iter().position(|other| *other == self.0) {
+            in_use.swap_remove(place);
+        }
+    }
+}
 
 /// A column in memory of the client.
 #[derive(Debug)]
 pub(super) struct LentColumn<P: Precision> {
     pub(super) domain: String,
     pub(super) property: &'static str,
-    /// The addresses that it takes up.
-    pub(super) bytes: Range<usize>,
     pub(super) memory: OfWidth<P>,
+    pub(super) taken: Taken,
 }
 
 /// Memory with so many numbers in a row.

@@ -33,6 +33,7 @@ mod values;
 mod view;
 
 pub use assembly::{Assembly, Session};
+pub use lending::is_lent;
 pub use numbers::{Memory, NumberType, Numbers, NumbersMut};
 pub use run::Words;
 pub use trouble::Trouble;

@@ -32,7 +32,6 @@ pub(super) fn apart(text: &str) -> Result<(&str, Option<&str>), Trouble> {
 /// The property of a column with `count` numbers for `rows` rows.
 pub(super) fn column<'a>(domain: &str, text: &'a str, count: usize, rows: usize) -> Result<Named<'a>, Trouble> {
     let (name, unit) = apart(text)?;
-    let size = unit.map(|unit| parsed(domain, name, unit)).transpose()?;
     let info = match properties::known(name) {
         Some(info) => info,
         None => properties::unknown(name, width_of(domain, name, count, rows)?, unit)
@@ -46,15 +45,21 @@ pub(super) fn column<'a>(domain: &str, text: &'a str, count: usize, rows: usize)
         let of = format!("{rows} rows of a {} are {expected}", info.kind);
         return Err(Trouble::fault(format!("{domain}.{name} has {count} numbers, but {of}: give as many")));
     }
-    match size {
-        Some(size) if size.factor_to(info.size).is_none() => {
-            let expected = if info.unit.is_empty() { "no unit" } else { info.unit };
-            let given = unit.unwrap_or_default();
-            let text = format!("{domain}.{name} is given in {given}, but it is measured in {expected}");
-            Err(Trouble::fault(text + ": give it in a unit of that dimension"))
-        }
-        _ => Ok(Named { info, unit }),
-    }
+    factor(domain, &info, unit)?;
+    Ok(Named { info, unit })
+}
+
+/// What numbers in this unit are multiplied by to be in the property's own.
+pub(super) fn factor(domain: &str, info: &PropertyInfo, unit: Option<&str>) -> Result<f64, Trouble> {
+    let Some(unit) = unit else { return Ok(1.0) };
+    let name = info.name;
+    let size =
+        Unit::parse(unit).map_err(|error| Trouble::fault(format!("{domain}.{name}: {}", error.message(unit))))?;
+    size.factor_to(info.size).ok_or_else(|| {
+        let expected = if info.unit.is_empty() { "no unit" } else { info.unit };
+        let text = format!("{domain}.{name} is given in {unit}, but it is measured in {expected}");
+        Trouble::fault(text + ": give it in a unit of that dimension")
+    })
 }
 
 /// The property of a link with `count` rows of its target for `rows` rows.
@@ -71,17 +76,6 @@ pub(super) fn link(domain: &str, name: &str, count: usize, rows: usize) -> Resul
         return Err(Trouble::fault(text + " are another number: give as many"));
     }
     Ok(info)
-}
-
-/// The unit of `domain.name`, read.
-fn parsed(domain: &str, name: &str, unit: &str) -> Result<Unit, Trouble> {
-    Unit::parse(unit).map_err(|error| Trouble::fault(format!("{domain}.{name}: {}", error.message(unit))))
-}
-
-/// Whether values in `unit` are in the property's own unit, so that they need no conversion.
-pub(super) fn is_own(info: &PropertyInfo, unit: Option<&str>) -> bool {
-    let factor = |unit: &str| Unit::parse(unit).ok()?.factor_to(info.size);
-    unit.is_none_or(|unit| factor(unit) == Some(1.0))
 }
 
 /// How many numbers a row has of a property that nobody knows.

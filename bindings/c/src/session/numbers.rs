@@ -1,5 +1,6 @@
 //! Arrays of a client: numbers of one of three types, interleaved, a row after the other.
 
+use core::ops::Range;
 use core::ptr::NonNull;
 
 /// The type of the numbers of an array.
@@ -50,6 +51,15 @@ impl Numbers<'_> {
         self.len() == 0
     }
 
+    /// The addresses that they take up, and their type.
+    pub(super) fn place(&self) -> (Range<usize>, NumberType) {
+        match self {
+            Numbers::F32(numbers) => (addresses(numbers), NumberType::F32),
+            Numbers::F64(numbers) => (addresses(numbers), NumberType::F64),
+            Numbers::Rows(rows) => (addresses(rows), NumberType::Rows),
+        }
+    }
+
     /// In f64, which holds each of them exactly.
     pub(super) fn each(&self) -> Box<dyn Iterator<Item = f64> + '_> {
         match self {
@@ -58,6 +68,12 @@ impl Numbers<'_> {
             Numbers::Rows(rows) => Box::new(rows.iter().map(|&row| f64::from(row))),
         }
     }
+}
+
+/// Where the numbers of a slice are.
+fn addresses<T>(numbers: &[T]) -> Range<usize> {
+    let Range { start, end } = numbers.as_ptr_range();
+    start.addr()..end.addr()
 }
 
 /// Room for numbers.
@@ -78,6 +94,15 @@ impl NumbersMut<'_> {
             NumbersMut::F32(numbers) => numbers.len(),
             NumbersMut::F64(numbers) => numbers.len(),
             NumbersMut::Rows(rows) => rows.len(),
+        }
+    }
+
+    /// The addresses of the room, and the type of its numbers.
+    pub(super) fn place(&self) -> (Range<usize>, NumberType) {
+        match self {
+            NumbersMut::F32(numbers) => Numbers::F32(numbers).place(),
+            NumbersMut::F64(numbers) => Numbers::F64(numbers).place(),
+            NumbersMut::Rows(rows) => Numbers::Rows(rows).place(),
         }
     }
 

@@ -56,6 +56,10 @@ impl<P: Precision> Run<P> {
         Ok(self.engine.refresh().map(|_| ())?)
     }
 
+    pub(super) fn is_settled(&self) -> bool {
+        self.engine.is_settled()
+    }
+
     pub(super) fn trace_blow_ups(&mut self, on: bool) {
         self.engine.trace_blow_ups(on);
     }
@@ -72,11 +76,28 @@ impl<P: Precision> Run<P> {
         if size_of::<P>() == 4 { NumberType::F32 } else { NumberType::F64 }
     }
 
+    /// Rows of a domain.
+    pub(super) fn rows(&self, domain: &str) -> Result<usize, Trouble> {
+        Ok(self.engine.state().domain(domain)?.rows())
+    }
+
     pub(super) fn lent(&self, domain: &str, property: &str) -> Option<&LentColumn<P>> {
         self.lent.iter().find(|lent| lent.domain == domain && lent.property == property)
     }
 
+    /// The name of a property whose column is used in place: no unit stands behind it, or its own.
+    fn in_place<'a>(&self, domain: &str, property: &'a str) -> Result<&'a str, Trouble> {
+        let (name, unit) = names::apart(property)?;
+        let info = self.engine.state().column(domain, name)?.property();
+        if names::factor(domain, info, unit)? == 1.0 {
+            return Ok(name);
+        }
+        let text = format!("{domain}.{name} is in {} where it is: ask without a unit, or have it copied", info.unit);
+        Err(Trouble::fault(text))
+    }
+
     pub(super) fn column(&self, domain: &str, property: &str) -> Result<View, Trouble> {
+        let property = self.in_place(domain, property)?;
         let column = self.engine.state().column(domain, property)?;
         let (rows, width) = (column.len(), column.property().kind.width());
         let view = if let Some((_, arity, links)) = column.links() {
@@ -93,6 +114,7 @@ impl<P: Precision> Run<P> {
 
     pub(super) fn column_to_change(&mut self, domain: &str, property: &str) -> Result<View, Trouble> {
         let look = self.column(domain, property)?;
+        let property = self.in_place(domain, property)?;
         if look.numbers == NumberType::Rows {
             let text =
                 format!("{domain}.{property} is a link, which is not changed in place: remove rows and add others");
@@ -115,9 +137,11 @@ impl<P: Precision> Run<P> {
     }
 
     pub(super) fn observe(&mut self, domain: &str, property: &str) -> Result<(), Trouble> {
-        let (name, _) = names::apart(property)?;
-        let info = properties::known(name).map_or_else(|| properties::unknown(name, 1, None), Ok);
-        Ok(self.engine.observe_also(domain, info.map_err(Trouble::fault)?)?)
+        let (name, unit) = names::apart(property)?;
+        let info = properties::known(name).map_or_else(|| properties::unknown(name, 1, unit), Ok);
+        let info = info.map_err(Trouble::fault)?;
+        names::factor(domain, &info, unit)?;
+        Ok(self.engine.observe_also(domain, info)?)
     }
 
     pub(super) fn words(&mut self, words: Words) -> Result<String, Trouble> {

@@ -1,6 +1,7 @@
 //! Numbers of columns and whole rows, in and out, by copying.
 
 use super::run::Run;
+use super::view::Met;
 use super::{NumberType, Numbers, NumbersMut, Trouble, names};
 use vesper::prelude::*;
 
@@ -15,11 +16,35 @@ impl<P: Precision> Run<P> {
         Err(Trouble::fault(text))
     }
 
+    /// Name and column of a property with a unit behind it, or without, and what its numbers are multiplied by to be in its own.
+    fn named<'a>(&self, domain: &str, property: &'a str) -> Result<(&'a str, f64), Trouble> {
+        let (name, unit) = names::apart(property)?;
+        let info = self.engine.state().column(domain, name)?.property();
+        Ok((name, names::factor(domain, info, unit)?))
+    }
+
+    /// Whether the client's numbers are the column itself, so that nothing is to be copied.
+    fn is_itself(what: &str, met: Met, as_it_is: bool) -> Result<bool, Trouble> {
+        match met {
+            Met::Apart => Ok(false),
+            Met::Itself if as_it_is => Ok(true),
+            Met::Itself | Met::Partly => {
+                Err(Trouble::Argument(format!("{what} has some of this memory itself: give memory of its own")))
+            }
+        }
+    }
+
     pub(super) fn get(&self, domain: &str, property: &str, numbers: NumbersMut<'_>) -> Result<(), Trouble> {
+        let (property, factor) = self.named(domain, property)?;
         let column = self.engine.state().column(domain, property)?;
         let (rows, width) = (column.len(), column.property().kind.width());
         let what = format!("{domain}.{property}");
         Self::as_many(&what, numbers.len(), (rows, width))?;
+        let moves = self.engine.state().origin(*column.property()) != [0.0; 3];
+        let met = self.column(domain, property)?.meets(&numbers.place());
+        if Self::is_itself(&what, met, !moves && factor == 1.0)? {
+            return Ok(());
+        }
         let numbers = match (column.links(), numbers) {
             (Some((_, _, links)), NumbersMut::Rows(to)) => {
                 to.copy_from_slice(links);
@@ -29,19 +54,20 @@ impl<P: Precision> Run<P> {
             (Some(_), _) => return Err(Trouble::Argument(format!("{what} is a link: ask for u32"))),
             (None, _) => return Err(Trouble::Argument(format!("{what} holds no rows: ask for f32 or f64"))),
         };
-        if self.engine.state().origin(*column.property()) != [0.0; 3] {
+        if moves {
             let all = self.engine.state().numbers(domain, *column.property())?;
-            put(numbers, |k| all[k]);
+            put(numbers, |k| all[k] / factor);
         } else if let Some(lent) = self.lent(domain, property) {
-            lent.memory.look(|all| put(numbers, |k| all[k].to_f64()));
+            lent.memory.look(|all| put(numbers, |k| all[k].to_f64() / factor));
         } else {
             let components = column.components().unwrap_or_default();
-            put(numbers, |k| components[k % width][k / width].to_f64());
+            put(numbers, |k| components[k % width][k / width].to_f64() / factor);
         }
         Ok(())
     }
 
     pub(super) fn set(&mut self, domain: &str, property: &str, numbers: Numbers<'_>) -> Result<(), Trouble> {
+        let (property, factor) = self.named(domain, property)?;
         let view = self.column(domain, property)?;
         let what = format!("{domain}.{property}");
         Self::as_many(&what, numbers.len(), (view.rows, view.width))?;
@@ -51,22 +77,26 @@ impl<P: Precision> Run<P> {
         }
         let state = self.engine.state();
         let origin = state.origin(*state.column(domain, property)?.property());
+        let itself = Self::is_itself(&what, view.meets(&numbers.place()), origin == [0.0; 3] && factor == 1.0)?;
         let width = view.width;
-        let from_origin = |k: usize, number: f64| P::from_f64(number - origin.get(k % width).unwrap_or(&0.0));
-        if let Some((k, number)) = numbers.each().enumerate().find(|&(k, number)| !from_origin(k, number).is_finite()) {
+        let own = |k: usize, number: f64| P::from_f64(number * factor - origin.get(k % width).unwrap_or(&0.0));
+        if let Some((k, number)) = numbers.each().enumerate().find(|&(k, number)| !own(k, number).is_finite()) {
             let text = format!("{what}: row {} is {number}: give a finite number of {}", k / width, P::NAME);
             return Err(Trouble::fault(text));
         }
         // Marks the state as changed, whoever owns the memory.
         let column = self.engine.state_mut().column_mut(domain, property)?;
+        if itself {
+            return Ok(());
+        }
         if let Some(mut components) = column.components_mut() {
             for (k, number) in numbers.each().enumerate() {
-                components[k % width][k / width] = from_origin(k, number);
+                components[k % width][k / width] = own(k, number);
             }
         } else if let Some(lent) = self.lent(domain, property) {
             lent.memory.change(|all| {
                 for (k, (to, number)) in all.iter_mut().zip(numbers.each()).enumerate() {
-                    *to = from_origin(k, number);
+                    *to = own(k, number);
                 }
             });
         }

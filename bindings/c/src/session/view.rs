@@ -1,7 +1,9 @@
 //! Where the numbers of a column are.
 
 use super::NumberType;
+use super::lending::overlap;
 use core::ffi::c_void;
+use core::ops::Range;
 use core::ptr;
 
 /// A column in place: number `component` of value `index` is at `components[component]`, `index * stride` numbers further.
@@ -44,4 +46,28 @@ impl View {
         self.subset = subset.map_or(ptr::null(), <[u32]>::as_ptr);
         self
     }
+
+    /// What a client's numbers of this type, at these addresses, are to the column.
+    pub(super) fn meets(&self, (bytes, numbers): &(Range<usize>, NumberType)) -> Met {
+        let size = if self.numbers == NumberType::F64 { 8 } else { 4 };
+        let (pieces, length) =
+            if self.stride == 1 { (self.width.min(4), self.rows) } else { (1, self.rows * self.stride) };
+        let piece = |start: &*mut c_void| start.addr()..start.addr() + length * size;
+        let own = self.components[..pieces].iter().map(piece);
+        if pieces == 1 && *numbers == self.numbers && own.clone().all(|own| own == *bytes) {
+            return Met::Itself;
+        }
+        if own.into_iter().any(|own| overlap(&own, bytes)) { Met::Partly } else { Met::Apart }
+    }
+}
+
+/// What numbers of a client are to a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Met {
+    /// Other memory.
+    Apart,
+    /// The column itself.
+    Itself,
+    /// Some of the column's memory.
+    Partly,
 }

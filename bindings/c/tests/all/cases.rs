@@ -92,7 +92,9 @@ fn lent_memory_has_the_same_bits() {
         ok(law(builder, c"motion", c""));
         ok(law(builder, c"uniform_gravity", c""));
         ok(settings(builder, c"integrator = 'runge_kutta_4', step = 1e-3"));
-        ok(advance(built(builder), 10.0));
+        let engine = built(builder);
+        ok(advance(engine, 10.0));
+        ok(free(engine));
         let parabolas = Pair { stiffness: None, gravity: true, ..pair };
         assert_eq!(bits(&[position, velocity].concat()), bits(&in_rust::<f64>(&parabolas)), "{}", pair.case);
     }

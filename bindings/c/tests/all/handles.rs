@@ -139,3 +139,20 @@ fn every_status_has_words() {
     // SAFETY: static text.
     assert_eq!(unsafe { CStr::from_ptr(vesper_status_text(99)) }, c"no status of this library");
 }
+
+#[test]
+fn results_of_a_call_that_fails_are_zero() {
+    let engine = falling();
+    ok(free(engine));
+    // SAFETY: texts end, and places are variables, filled with what is no zero.
+    unsafe {
+        let mut view: ColumnView = core::mem::transmute([0xAA_u8; size_of::<ColumnView>()]);
+        let (mut time, mut steps, mut text) = (7.0, 7, ptr::dangling());
+        let status = vesper_engine_column(engine, c"bodies".as_ptr(), c"mass".as_ptr(), VESPER_READ, &raw mut view);
+        assert_eq!((status, view.rows, view.component), (VESPER_ERROR_HANDLE, 0, [ptr::null_mut(); 4]));
+        assert_eq!(vesper_engine_time(engine, &raw mut time, &raw mut steps), VESPER_ERROR_HANDLE);
+        assert_eq!((time, steps), (0.0, 0));
+        assert_eq!(vesper_engine_text(engine, VESPER_REPORT, &raw mut text), VESPER_ERROR_HANDLE);
+        assert!(text.is_null());
+    }
+}

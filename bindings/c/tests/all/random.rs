@@ -1,6 +1,7 @@
 //! Calls at random: null, wrong sizes, freed handles, wrong order. `tests/random.c` makes a million of them under sanitizers.
 
 use super::support::*;
+use std::ffi::CString;
 
 /// A generator of numbers (xorshift64*), the same on every run.
 struct Chance(u64);
@@ -71,6 +72,8 @@ struct Driver {
     engines: Vec<EngineId>,
     /// Arrays of 64 numbers: lent, given, and for answers.
     arrays: Vec<[f64; 64]>,
+    /// A state that an engine told.
+    checkpoint: CString,
     done: [u64; 8],
 }
 
@@ -166,7 +169,7 @@ impl Driver {
                 21 => vesper_engine_enable(engine, law, rows as i32 % 2),
                 22 => vesper_engine_observe(engine, domain, property),
                 23 => vesper_engine_text(engine, count as u32 % 5, if null { ptr::null_mut() } else { &raw mut text }),
-                24 => vesper_engine_restore(engine, parameters),
+                24 => vesper_engine_restore(engine, if null { parameters } else { self.checkpoint.as_ptr() }),
                 25 => vesper_engine_let_go(engine),
                 _ => vesper_engine_free(engine),
             }
@@ -175,7 +178,10 @@ impl Driver {
         self.engines.extend((new_engine.id != 0).then_some(new_engine));
         if status == VESPER_OK && !text.is_null() {
             // SAFETY: the text ends, and is there until the next call.
-            assert!(unsafe { CStr::from_ptr(text) }.to_str().is_ok());
+            let said = unsafe { CStr::from_ptr(text) }.to_str().unwrap();
+            if count as u32 % 5 == VESPER_CHECKPOINT {
+                self.checkpoint = CString::new(said).unwrap();
+            }
         }
         status
     }
@@ -197,7 +203,14 @@ impl Driver {
 fn no_call_does_harm() {
     let numbers = |k: usize| [0.0, 1.0, 2.0, -0.5, 1e300, f64::NAN, 3.0, 1e-300][k % 8];
     let arrays = (0..16).map(|k| core::array::from_fn(|j| if k < 8 { 0.5 } else { numbers(k + j) })).collect();
-    let mut driver = Driver { chance: Chance(42), builders: Vec::new(), engines: Vec::new(), arrays, done: [0; 8] };
+    let mut driver = Driver {
+        chance: Chance(42),
+        builders: Vec::new(),
+        engines: Vec::new(),
+        arrays,
+        checkpoint: CString::default(),
+        done: [0; 8],
+    };
     for turn in 0..100_000 {
         if turn % 25 == 0 {
             driver.right_builder();

@@ -170,3 +170,75 @@ fn texts_and_checkpoints() {
     }
     ok(free(engine));
 }
+
+#[test]
+fn numbers_are_copied_in_the_unit_behind_the_name() {
+    let engine = chain(2);
+    ok(set(engine, c"bodies", c"velocity [km/s]", &[0.0, 0.001, 0.0, 0.0, 0.0, 0.0]));
+    assert_eq!(get(engine, c"bodies", c"velocity", 6)[1], 1.0);
+    assert_eq!(get(engine, c"bodies", c"velocity [mm/s]", 6)[1], 1000.0);
+    assert_eq!(set(engine, c"bodies", c"velocity [kg]", &[0.0; 6]), VESPER_ERROR_FAULT);
+    assert!(last_error().contains("measured in m/s"), "{}", last_error());
+    assert_eq!(view(engine, c"bodies", c"velocity [km/s]", VESPER_READ).unwrap_err(), VESPER_ERROR_FAULT);
+    assert!(last_error().contains("ask without a unit"), "{}", last_error());
+    ok(view(engine, c"bodies", c"velocity [m/s]", VESPER_READ).map_or_else(|status| status, |_| VESPER_OK));
+    // SAFETY: texts end.
+    let observed = unsafe { vesper_engine_observe(engine, c"bodies".as_ptr(), c"force [km]".as_ptr()) };
+    assert_eq!(observed, VESPER_ERROR_FAULT);
+    ok(free(engine));
+}
+
+#[test]
+fn memory_that_is_the_column_itself_stays_and_part_of_it_is_refused() {
+    let mut position = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 9.0];
+    let made = || {
+        let builder = builder(VESPER_F64);
+        ok(domain(builder, c"bodies", 2));
+        ok(column(builder, c"bodies", c"velocity", &[1.0; 6]));
+        ok(column(builder, c"bodies", c"mass", &[1.0, 2.0]));
+        ok(law(builder, c"motion", c""));
+        builder
+    };
+    let first = made();
+    ok(lend(first, c"bodies", c"position", &mut position[..6]));
+    let engine = built(first);
+    let start = position.as_mut_ptr();
+    let copy = |from: *mut f64, in_: bool| {
+        let (domain, property) = (c"bodies".as_ptr(), c"position".as_ptr());
+        // SAFETY: texts end, and the array has so many numbers.
+        unsafe {
+            match in_ {
+                true => vesper_engine_set(engine, domain, property, VESPER_F64, from.cast(), 6),
+                false => vesper_engine_get(engine, domain, property, VESPER_F64, from.cast(), 6),
+            }
+        }
+    };
+    ok(copy(start, true));
+    ok(copy(start, false));
+    for in_ in [true, false] {
+        assert_eq!(copy(start.wrapping_add(1), in_), VESPER_ERROR_ARGUMENT);
+        assert!(last_error().contains("give memory of its own"), "{}", last_error());
+    }
+    let mass = view(engine, c"bodies", c"mass", VESPER_WRITE).unwrap();
+    // SAFETY: texts end; the column has so many numbers.
+    ok(unsafe { vesper_engine_set(engine, c"bodies".as_ptr(), c"mass".as_ptr(), VESPER_F64, mass.component[0], 2) });
+    assert_eq!(get(engine, c"bodies", c"mass", 2), [1.0, 2.0]);
+    let second = made();
+    assert_eq!(lend(second, c"bodies", c"position", &mut position[..6]), VESPER_ERROR_FAULT);
+    assert!(last_error().contains("another engine has some of this memory"), "{}", last_error());
+    assert_eq!(build(second), Err(VESPER_ERROR_FAULT));
+    ok(free(engine));
+    let third = made();
+    ok(lend(third, c"bodies", c"position", &mut position[..6]));
+    ok(free(built(third)));
+}
+
+#[test]
+fn more_rows_than_there_are_cannot_be_removed() {
+    let engine = chain(3);
+    // SAFETY: texts end; so many rows are refused before any is read.
+    let status = unsafe { vesper_engine_remove_rows(engine, c"bodies".as_ptr(), [0_u32].as_ptr(), 1 << 40) };
+    assert_eq!(status, VESPER_ERROR_FAULT);
+    assert!(last_error().contains("there are 3"), "{}", last_error());
+    ok(free(engine));
+}

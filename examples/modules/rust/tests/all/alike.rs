@@ -244,7 +244,7 @@ static const vesper_port of_blow[] = {
     {.property = "wits", .si = {1, 1, -2}, .kind = 1, .mode = VESPER_READS, .optional = 1},
     PORT("force", 3, VESPER_ADDS, 1, 1, -2)};
 #define LAW(law, s, p, ...) static const vesper_law law##_law = {.struct_size = sizeof(vesper_law), .port_size = sizeof(vesper_port), \
-    .parameter_size = sizeof(vesper_parameter), .shape = s, .precisions = sizeof(NUMBER) == 4 ? VESPER_F32 : VESPER_F64, .name = #law, \
+    .parameter_size = sizeof(vesper_parameter), .shape = s, .precisions = sizeof(NUMBER) == 4 ? VESPER_LAW_F32 : VESPER_LAW_F64, .name = #law, \
     .port_count = sizeof p / sizeof *p, .ports = p, .create = create, .apply = law, __VA_ARGS__}
 LAW(flock, VESPER_PAIRS, position_force, .energy = flock_energy);
 LAW(cord, VESPER_LINKS, of_cord, .link = "ends", .link_arity = 2);

@@ -28,7 +28,7 @@ static const vesper_port ports[] = {{.property = "mass", .si = {0, 1}, .kind = 1
     {.property = "velocity", .si = {1, 0, -1}, .kind = 3, .mode = VESPER_READS},
     {.property = "force", .si = {1, 1, -2}, .kind = 3, .mode = VESPER_ADDS}};
 #define LAW(law, f) static const vesper_law law = {.struct_size = sizeof(vesper_law), .port_size = sizeof *ports, .parameter_size = sizeof(vesper_parameter), \
-    .shape = VESPER_ROWS, .precisions = VESPER_F64, .name = #law, .port_count = 3, .ports = ports, .create = create, .apply = f}
+    .shape = VESPER_ROWS, .precisions = VESPER_LAW_F64, .name = #law, .port_count = 3, .ports = ports, .create = create, .apply = f}
 LAW(wrong, apply);
 LAW(fine, right);
 static const vesper_law *const laws[] = {&wrong, &fine};

@@ -89,8 +89,8 @@ fn c_and_rust_have_the_same_structures() {
     }
     for (name, value) in [
         ("VESPER_LAW_ABI", abi::VERSION),
-        ("VESPER_F32", abi::F32),
-        ("VESPER_F64", abi::F64),
+        ("VESPER_LAW_F32", abi::F32),
+        ("VESPER_LAW_F64", abi::F64),
         ("VESPER_ERROR", abi::LOG_ERROR),
     ] {
         code += &format!("printf(\"{name} %u\\n\", (unsigned){name});\n");

@@ -22,7 +22,7 @@ static int32_t load(void *self, const void *from) { memcpy(self, from, sizeof(me
 static const vesper_port ports[] = {{.property = "velocity", .si = {1, 0, -1}, .kind = 3, .mode = VESPER_READS}, MORE
     {.property = "force", .si = {1, 1, -2}, .kind = 3, .mode = VESPER_ADDS}};
 static const vesper_law tired = {.struct_size = sizeof tired, .port_size = sizeof *ports, .parameter_size = sizeof(vesper_parameter),
-    .shape = VESPER_ROWS, .precisions = VESPER_F64, .name = "tired", .port_count = sizeof ports / sizeof *ports, .ports = ports,
+    .shape = VESPER_ROWS, .precisions = VESPER_LAW_F64, .name = "tired", .port_count = sizeof ports / sizeof *ports, .ports = ports,
     .create = create, .apply = apply, .destroy = free, .state_size = sizeof(memory), .save = save, .load = load};
 static const vesper_law *const laws[] = {&tired};
 static const vesper_module module = {VESPER_LAW_ABI, sizeof module, 0, 1, laws};

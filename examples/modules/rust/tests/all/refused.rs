@@ -95,7 +95,7 @@ const LAWS: &[(&str, &str, &str, &str)] = &[
     ("small", ".struct_size = sizeof(vesper_law)", ".struct_size = 40", "the table of a law has 40 bytes"),
     ("ports", ".port_size = sizeof *ports", ".port_size = 4", "a port has 4 bytes, and 88 are needed"),
     ("no_name", ".name = #law", ".name = \"No Name\"", "names have small letters, digits and _"),
-    ("no_precision", "VESPER_F64", "4", "takes numbers of no precision"),
+    ("no_precision", "VESPER_LAW_F64", "4", "takes numbers of no precision"),
     ("no_shape", "VESPER_ROWS", "7", "has the shape 7: 1 rows, 2 pairs, 3 links, 4 columns"),
     ("no_create", ".create = create", ".create = 0", "has no function `create`"),
     (
