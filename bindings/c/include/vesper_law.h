@@ -159,6 +159,7 @@ typedef struct vesper_law {
     size_t state_size;
     int32_t (*save)(void *self, void *to);
     int32_t (*load)(void *self, const void *from);
+    int32_t (*native_rows)(void *self, const void *call, uint32_t isa, uint32_t precision); /* NULL: for laws of Vesper's own making */
 } vesper_law;
 
 /* What a module exports. */

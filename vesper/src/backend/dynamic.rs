@@ -47,9 +47,9 @@ impl<P: Scalar> RowKernel<P> for Closure {
     unsafe fn run(&self, _isa: Isa, call: &RowCall<'_, P>) {
         // SAFETY: passed on to the caller.
         unsafe { self.rows(call) };
-        if call.drift.is_some() {
+        if call.drift.get().is_some() {
             // A row's drift needs no other row's kick, so all kicks may come first.
-            let drift = RowCall { part: Part::Coordinates, advance: call.drift, drift: None, ..*call };
+            let drift = RowCall { part: Part::Coordinates, advance: call.drift, drift: None.into(), ..*call };
             // SAFETY: as above.
             unsafe { self.rows(&drift) };
         }
@@ -165,7 +165,7 @@ impl Closure {
 unsafe fn write<P: Scalar>(mode: Mode, role: Role, call: &RowCall<'_, P>, to: *mut P, row: usize, value: P) {
     // SAFETY: passed on to the caller.
     unsafe {
-        match (mode, call.advance) {
+        match (mode, call.advance.get()) {
             (Mode::Adds, _) if !call.first => *to.add(row) += value,
             (Mode::Rates, _) if !call.part.holds(&role) => {}
             (Mode::Rates, Some(step)) => *to.add(row) += value * step,

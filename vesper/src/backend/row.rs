@@ -15,23 +15,72 @@ use crate::real::{Isa, Lanes, Scalar, WithLanes, prefetch};
 use core::marker::PhantomData;
 use std::sync::Arc;
 
-/// One call of a row kernel.
+/// One call of a row kernel, laid out as in C: a module that was compiled apart is given it as it is.
+#[derive(Clone, Copy)]
+#[repr(C)]
 pub(crate) struct RowCall<'a, P> {
     /// A pointer for every component: to the first row, or to the one number of a constant, or null.
-    pub(crate) slots: &'a [*mut P],
+    pub(crate) slots: Pointers<'a, P>,
     /// One bit for each slot of a field that is the same in all rows: it has `MAX_WIDTH` equal numbers.
     pub(crate) uniform: u64,
     pub(crate) rows: usize,
     /// The states whose rates are wanted.
     pub(crate) part: Part,
-    /// The step by which rates advance the states they point to; `None` stores the rates.
-    pub(crate) advance: Option<P>,
+    /// The step by which rates advance the states they point to; none stores the rates.
+    pub(crate) advance: Maybe<P>,
     /// The step by which coordinates advance after the momenta, in the same loop.
-    pub(crate) drift: Option<P>,
+    pub(crate) drift: Maybe<P>,
     /// Whether the sums of a law without rates begin with it: its shares are stored, whatever is there.
     pub(crate) first: bool,
     /// Memory that later calls will want: as many numbers as there are rows.
     pub(crate) ahead: [*const P; AHEAD],
+}
+
+/// A slice of pointers, laid out as in C.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub(crate) struct Pointers<'a, P> {
+    start: *const *mut P,
+    count: usize,
+    marker: PhantomData<&'a [*mut P]>,
+}
+
+impl<'a, P> From<&'a [*mut P]> for Pointers<'a, P> {
+    #[inline(always)]
+    fn from(slice: &'a [*mut P]) -> Self {
+        Pointers { start: slice.as_ptr(), count: slice.len(), marker: PhantomData }
+    }
+}
+
+impl<P> core::ops::Deref for Pointers<'_, P> {
+    type Target = [*mut P];
+    #[inline(always)]
+    fn deref(&self) -> &[*mut P] {
+        // SAFETY: it was made from a slice, which lives as long.
+        unsafe { core::slice::from_raw_parts(self.start, self.count) }
+    }
+}
+
+/// A number or none, laid out as in C.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub(crate) struct Maybe<P> {
+    value: P,
+    there: bool,
+}
+
+impl<P: Default> From<Option<P>> for Maybe<P> {
+    #[inline(always)]
+    fn from(option: Option<P>) -> Self {
+        Maybe { there: option.is_some(), value: option.unwrap_or_default() }
+    }
+}
+
+impl<P: Copy> Maybe<P> {
+    #[inline(always)]
+    pub(crate) fn get(self) -> Option<P> {
+        self.there.then_some(self.value)
+    }
 }
 
 /// Bytes of a cache line.
@@ -111,12 +160,12 @@ const fn gives(signature: &Signature) -> Gives {
 
 impl<P: Scalar, F: RowFamily> RowKernel<P> for F {
     unsafe fn run(&self, isa: Isa, call: &RowCall<'_, P>) {
-        let advance = call.advance.is_some();
+        let advance = call.advance.there;
         let run: unsafe fn(&F, Isa, &RowCall<'_, P>) = if const { matches!(gives(&F::SIGNATURE), Gives::Values) } {
             if call.first { run::<P, F, StoreFirst> } else { run::<P, F, StoreAll> }
         } else if const { matches!(gives(&F::SIGNATURE), Gives::OneRole) } {
             if advance { run::<P, F, AdvanceAll> } else { run::<P, F, StoreAll> }
-        } else if call.drift.is_some() {
+        } else if call.drift.there {
             run::<P, F, KickDrift>
         } else {
             match (call.part, advance) {
@@ -142,7 +191,7 @@ impl<P: Scalar, F: RowFamily> RowKernel<P> for F {
             return None;
         }
         // SAFETY: the caller promises the slots.
-        let slots = unsafe { Slots::copied(call.slots, count::<F>(), constants::<F>(), call.uniform) };
+        let slots = unsafe { Slots::copied(&call.slots, count::<F>(), constants::<F>(), call.uniform) };
         let law = self.kernel::<P>();
         let energy = (0..call.rows).map(|row| {
             // SAFETY: the caller promises the rows.
@@ -231,10 +280,10 @@ impl<P: Scalar, F: RowFamily, Rule: RateRule, const UNIFORM: bool> WithLanes<P> 
         // SAFETY: `Task::new` was promised the slots.
         let slots = unsafe {
             let fields = if UNIFORM { fields::<F>() } else { 0 };
-            Slots::copied(self.call.slots, count::<F>(), constants::<F>() | fields, self.call.uniform)
+            Slots::copied(&self.call.slots, count::<F>(), constants::<F>() | fields, self.call.uniform)
         };
         let rows = self.call.rows;
-        let steps = [self.call.advance, self.call.drift].map(Option::unwrap_or_default);
+        let steps = [self.call.advance, self.call.drift].map(|step| step.get().unwrap_or_default());
         let mut row = 0;
         let wide = rows - rows % R::WIDTH;
         if R::WIDTH > 1 && wide > 0 {

@@ -207,6 +207,7 @@ impl Signature {
 
 /// Which states an integrator asks the rates of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u32)]
 pub enum Part {
     /// Every state.
     All,

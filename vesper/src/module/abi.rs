@@ -9,8 +9,8 @@ use core::ffi::{c_char, c_void};
 pub const VERSION: u32 = 1;
 /// The module's one symbol, a function that returns its table.
 pub const SYMBOL: &str = "vesper_module_v1";
-/// The layout of [`Native`]: a module and a host that differ in it do without.
-pub const NATIVE: u32 = 1;
+/// The layout of [`Native`], and of a call of rows as the framework's own loops have it: a module and a host that differ in it do without.
+pub const NATIVE: u32 = 2;
 
 /// Numbers of single precision: a bit of [`Law::precisions`].
 pub const F32: u32 = 1;
@@ -139,6 +139,9 @@ pub struct Law {
     pub save: Option<unsafe extern "C" fn(*mut c_void, *mut c_void) -> i32>,
     /// Reads it.
     pub load: Option<unsafe extern "C" fn(*mut c_void, *const c_void) -> i32>,
+    /// Of laws of rows that say [`Law::native`], computes a call as the framework's own loops have it, in numbers of this precision and
+    /// in these instructions (see [`Native::isa`]); null for others.
+    pub native_rows: Option<unsafe extern "C" fn(*mut c_void, *const c_void, u32, u32) -> i32>,
 }
 
 /// What a law may ask of its host. It lives as long as the law.
@@ -183,24 +186,14 @@ pub struct Call {
     pub native: *const Native,
 }
 
-/// A call as Vesper's own loops have it: what [`export_laws!`](crate::export_laws) makes looks at it.
+/// What else Vesper's own loops over pairs and links are told: what [`export_laws!`](crate::export_laws) makes looks at it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Native {
     /// Instructions: 0 scalar, 1 baseline, 2 AVX2, 3 AVX-512.
     pub isa: u32,
-    /// The states whose rates are wanted: 0 all, 1 coordinates, 2 momenta.
-    pub part: u32,
-    /// [`FIRST`] and the others.
+    /// [`FIRST`] and [`ESTIMATES`].
     pub flags: u32,
-    /// Slots of fields that are the same in all rows, a bit each.
-    pub uniform: u64,
-    /// The step by which rates advance what they point to.
-    pub advance: f64,
-    /// The step by which coordinates advance afterwards.
-    pub drift: f64,
-    /// Memory that later calls will want.
-    pub ahead: [*const c_void; 2],
     /// The links to compute, where not those of the range; else null.
     pub list: *const u32,
     /// How many.
@@ -213,9 +206,5 @@ pub struct Native {
 
 /// The sums begin with this law: it stores its shares.
 pub const FIRST: u32 = 1;
-/// Rates advance what they point to.
-pub const ADVANCE: u32 = 2;
-/// And coordinates after it.
-pub const DRIFT: u32 = 4;
 /// Estimates are allowed.
-pub const ESTIMATES: u32 = 8;
+pub const ESTIMATES: u32 = 2;

@@ -158,6 +158,7 @@ pub fn exported<L: Law + Compile>() -> abi::Law {
         state_size: 0,
         save: None,
         load: None,
+        native_rows: (shape == 1).then_some(native_rows as unsafe extern "C" fn(_, _, _, _) -> _),
     }
 }
 
@@ -330,6 +331,21 @@ unsafe extern "C" fn apply(this: *mut c_void, call: *const abi::Call) -> i32 {
     }
 }
 
+unsafe extern "C" fn native_rows(this: *mut c_void, call: *const c_void, isa: u32, precision: u32) -> i32 {
+    // SAFETY: `create` made it.
+    let made = unsafe { &*this.cast_const().cast::<Made>() };
+    let isa = made.instructions.get(isa as usize).copied().unwrap_or(Isa::Scalar);
+    // SAFETY: the host gives a call of rows in this precision.
+    let went = catch_unwind(AssertUnwindSafe(|| unsafe {
+        match (precision, &made.single.kernel, &made.double.kernel) {
+            (abi::F32, Kernel::Row(kernel), _) => kernel.run(isa, &*call.cast::<RowCall<'_, f32>>()),
+            (abi::F64, _, Kernel::Row(kernel)) => kernel.run(isa, &*call.cast::<RowCall<'_, f64>>()),
+            _ => {}
+        }
+    }));
+    went.map_or_else(|panic| panicked(made.host, &*panic), |()| 0)
+}
+
 unsafe extern "C" fn energy(this: *mut c_void, call: *const abi::Call, to: *mut f64) -> i32 {
     // SAFETY: as in `apply`.
     let (made, call) = unsafe { (&*this.cast_const().cast::<Made>(), &*call) };
@@ -370,39 +386,20 @@ impl<P> Taken<'_, P> {
 
 /// # Safety
 /// The call is of this law, and the host keeps its promises.
-#[inline(always)]
 unsafe fn row_call<P: Scalar, T>(taken: &Taken<'_, P>, call: &abi::Call, then: impl FnOnce(&RowCall<'_, P>) -> T) -> T {
-    let rows = call.end - call.begin;
-    let all = |slots| RowCall {
-        slots,
+    let mut slots = [core::ptr::null_mut(); MAX_SLOTS];
+    for (slot, (start, stride)) in taken.slots.iter().zip(taken.strides).enumerate() {
+        slots[slot] = start.wrapping_add(if start.is_null() { 0 } else { call.begin * stride });
+    }
+    then(&RowCall {
+        slots: slots[..taken.slots.len()].into(),
         uniform: 0,
-        rows,
+        rows: call.end - call.begin,
         part: Part::All,
-        advance: None,
-        drift: None,
+        advance: None.into(),
+        drift: None.into(),
         first: false,
         ahead: [core::ptr::null(); 2],
-    };
-    let Some(native) = taken.native else {
-        let mut slots = [core::ptr::null_mut(); MAX_SLOTS];
-        for (slot, (start, stride)) in taken.slots.iter().zip(taken.strides).enumerate() {
-            slots[slot] = start.wrapping_add(if start.is_null() { 0 } else { call.begin * stride });
-        }
-        return then(&all(&slots[..taken.slots.len()]));
-    };
-    let step = |flag: u32, step: f64| (native.flags & flag != 0).then(|| P::from_f64(step));
-    then(&RowCall {
-        uniform: native.uniform,
-        part: match native.part {
-            1 => Part::Coordinates,
-            2 => Part::Momenta,
-            _ => Part::All,
-        },
-        advance: step(abi::ADVANCE, native.advance),
-        drift: step(abi::DRIFT, native.drift),
-        first: native.flags & abi::FIRST != 0,
-        ahead: native.ahead.map(<*const c_void>::cast),
-        ..all(taken.slots)
     })
 }
 

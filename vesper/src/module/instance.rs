@@ -8,6 +8,7 @@ use super::declared::Declared;
 use super::trial;
 use crate::backend::Foreign;
 use crate::law::{Place, Port};
+use crate::real::Isa;
 use core::cell::RefCell;
 use core::ffi::{CStr, c_char, c_void};
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -23,6 +24,9 @@ pub(super) struct Slot {
 
 /// What computes.
 type Apply = unsafe extern "C" fn(*mut c_void, *const abi::Call) -> i32;
+
+/// What computes rows as the framework's own loops do.
+pub(super) type NativeRows = unsafe extern "C" fn(*mut c_void, *const c_void, u32, u32) -> i32;
 
 /// A table without one is refused.
 unsafe extern "C" fn no_apply(_this: *mut c_void, _call: *const abi::Call) -> i32 {
@@ -160,6 +164,28 @@ impl Instance {
         }
         // SAFETY: passed on to the caller.
         let status = unsafe { self.apply(call) };
+        if status != 0 {
+            self.fail("apply", status);
+        }
+        status == 0
+    }
+
+    /// What computes rows as the framework's own loops do, of a law that was made by [`export_laws!`](crate::export_laws).
+    pub(super) fn native_rows(&self) -> Option<NativeRows> {
+        self.declared.table.native_rows.filter(|_| self.declared.table.native == abi::NATIVE)
+    }
+
+    /// Calls the law with rows as the framework's own loops have them; whether it did what it should.
+    ///
+    /// # Safety
+    /// As for `call`; `rows` is the law's, and `call` a call of rows in this precision.
+    #[inline]
+    pub(super) unsafe fn call_rows(&self, rows: NativeRows, call: *const c_void, isa: Isa, precision: u32) -> bool {
+        if self.has_failed() {
+            return false;
+        }
+        // SAFETY: passed on to the caller; such laws have no memory, so that they need no turns.
+        let status = unsafe { rows(self.this, call, isa.number(), precision) };
         if status != 0 {
             self.fail("apply", status);
         }

@@ -60,12 +60,7 @@ pub(super) const fn no_call() -> abi::Call {
 pub(super) fn native(isa: Isa) -> abi::Native {
     abi::Native {
         isa: isa.number(),
-        part: 0,
         flags: 0,
-        uniform: 0,
-        advance: 0.0,
-        drift: 0.0,
-        ahead: [core::ptr::null(); 2],
         list: core::ptr::null(),
         list_length: 0,
         own_begin: 0,

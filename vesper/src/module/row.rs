@@ -4,8 +4,8 @@
 //! rates, and takes numbers of the engine's precision, pointers are passed on; elsewhere rows go over a desk. Never: a body.
 
 use super::abi;
-use super::instance::{Instance, Slot};
-use super::numbers::{Numbers, native, no_call, numbers, precision, rounding};
+use super::instance::{Instance, NativeRows, Slot};
+use super::numbers::{Numbers, no_call, numbers, precision, rounding};
 use crate::backend::{RowCall, RowKernel, TangentCall, by_differences};
 use crate::law::{MAX_SLOTS, Mode, Part, Place};
 use crate::property::Role;
@@ -18,10 +18,10 @@ use std::sync::Arc;
 const DESK: usize = 128;
 
 /// How a law is called by an engine of one precision.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy)]
 enum Way {
-    /// With all that the host's loop knows.
-    Native,
+    /// As the framework's own loops are.
+    Native(NativeRows),
     /// With the pointers as they are: there are no rates, fields or turns, which not every call has places for.
     Plain,
     /// With what lies on a desk.
@@ -68,7 +68,7 @@ impl Rows {
             slot.port.mode != Mode::Rates && slot.port.place != Place::Field && !turns
         };
         let way = match numbers::<P>(&law) {
-            Numbers::Own if law.declared.table.native == abi::NATIVE => Way::Native,
+            Numbers::Own if let Some(rows) = law.native_rows() => Way::Native(rows),
             Numbers::Own if law.slots.iter().all(of_all) => Way::Plain,
             numbers => Way::Desk(numbers),
         };
@@ -88,9 +88,9 @@ impl Rows {
             // SAFETY: the caller promises the rows.
             unsafe {
                 self.some::<P, Q>(call, from, count, &mut desk);
-                if call.drift.is_some() {
+                if call.drift.get().is_some() {
                     // A row's drift needs no other row's kick.
-                    let drift = RowCall { part: Part::Coordinates, advance: call.drift, drift: None, ..*call };
+                    let drift = RowCall { part: Part::Coordinates, advance: call.drift, drift: None.into(), ..*call };
                     self.some::<P, Q>(&drift, from, count, &mut desk);
                 }
             }
@@ -111,7 +111,7 @@ impl Rows {
             match slot.port.mode {
                 Mode::Rates => {
                     let wanted = there && call.part.holds(&slot.port.property.role);
-                    if wanted && same && call.advance.is_none() {
+                    if wanted && same && call.advance.get().is_none() {
                         desk.slots[number] = to.cast();
                     } else {
                         desk.put(number, nothing);
@@ -163,7 +163,7 @@ impl Rows {
                     let found = if went { P::from_f64(found.assume_init().to_f64()) } else { P::default() };
                     let to = to.add(row);
                     let same = Q::from_f64((*to).to_f64()).bits() == Q::from_f64(found.to_f64()).bits();
-                    match (slot.port.mode, call.advance) {
+                    match (slot.port.mode, call.advance.get()) {
                         (Mode::Adds, _) if !call.first => *to += found,
                         (Mode::Rates, Some(step)) => *to += found * step,
                         // What the law left as it was keeps its digits.
@@ -257,45 +257,26 @@ impl<P: Scalar> RowKernel<P> for Rows {
         self.law.declared.table.state_size == 0
     }
 
+    #[inline]
     unsafe fn run(&self, isa: Isa, call: &RowCall<'_, P>) {
-        let strides = self.law.strides.as_ptr();
-        let slots = call.slots.as_ptr().cast();
-        let plain = abi::Call { precision: precision::<P>(), end: call.rows, slots, strides, ..no_call() };
-        if self.way == Way::Native {
-            let part = match call.part {
-                Part::All => 0,
-                Part::Coordinates => 1,
-                Part::Momenta => 2,
-            };
-            let first = if call.first { abi::FIRST } else { 0 };
-            let advance = if call.advance.is_some() { abi::ADVANCE } else { 0 };
-            let drift = if call.drift.is_some() { abi::DRIFT } else { 0 };
-            // With few rows there is nothing to fetch ahead, and to copy what was just written takes as long as such a call.
-            let ahead = if call.rows > DESK { call.ahead.map(<*const P>::cast) } else { [core::ptr::null(); 2] };
-            let native = abi::Native {
-                part,
-                flags: first | advance | drift,
-                uniform: call.uniform,
-                advance: call.advance.map_or(0.0, Scalar::to_f64),
-                drift: call.drift.map_or(0.0, Scalar::to_f64),
-                ahead,
-                ..native(isa)
-            };
+        match self.way {
             // SAFETY: the caller promises the slots, and nobody else touches their rows.
-            if unsafe { self.law.call(&abi::Call { native: &raw const native, ..plain }) } {
-                return;
-            }
-        } else if self.way == Way::Plain {
-            // SAFETY: as above.
-            unsafe {
-                if call.first {
-                    self.nothing(call);
+            Way::Native(rows)
+                if unsafe { self.law.call_rows(rows, (&raw const *call).cast(), isa, precision::<P>()) } => {}
+            Way::Plain => {
+                let (slots, strides) = (call.slots.as_ptr().cast(), self.law.strides.as_ptr());
+                let plain = abi::Call { precision: precision::<P>(), end: call.rows, slots, strides, ..no_call() };
+                // SAFETY: as above.
+                unsafe {
+                    if call.first {
+                        self.nothing(call);
+                    }
+                    self.law.call(&plain);
                 }
-                self.law.call(&plain);
             }
-            return;
+            // What a law that failed leaves is nothing.
+            Way::Native(_) | Way::Desk(_) => in_numbers!(self, over_desk, call),
         }
-        in_numbers!(self, over_desk, call);
     }
 
     unsafe fn tangent(&self, call: &TangentCall<'_, P>) {
@@ -333,12 +314,11 @@ impl<P: Scalar> RowKernel<P> for Rows {
 
     unsafe fn energy(&self, call: &RowCall<'_, P>) -> Option<f64> {
         self.law.declared.table.energy?;
-        if self.way == Way::Native {
-            let native = abi::Native { uniform: call.uniform, ..native(Isa::Scalar) };
+        if self.numbers() == Numbers::Own && call.uniform == 0 {
             let (slots, strides) = (call.slots.as_ptr().cast(), self.law.strides.as_ptr());
-            let to_law = abi::Call { precision: precision::<P>(), end: call.rows, slots, strides, ..no_call() };
+            let whole = abi::Call { precision: precision::<P>(), end: call.rows, slots, strides, ..no_call() };
             // SAFETY: the caller promises the slots.
-            return Some(unsafe { self.law.energy(&abi::Call { native: &raw const native, ..to_law }) });
+            return Some(unsafe { self.law.energy(&whole) });
         }
         Some(in_numbers!(self, energy_of, call))
     }

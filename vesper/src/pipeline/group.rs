@@ -83,9 +83,9 @@ impl<P: Scalar> BlockLaw<P> {
         ahead: [*const P; AHEAD],
         context: &Context<'_, P>,
     ) -> RowCall<'a, P> {
-        let [advance, drift] = [self.advance, self.drift].map(|stage| stage.map(|stage| context.steps[stage]));
+        let [advance, drift] = [self.advance, self.drift].map(|stage| stage.map(|stage| context.steps[stage]).into());
         let BlockLaw { uniform, part, first, .. } = *self;
-        RowCall { slots: &pointers[self.slots.clone()], uniform, rows, part, advance, drift, first, ahead }
+        RowCall { slots: pointers[self.slots.clone()].into(), uniform, rows, part, advance, drift, first, ahead }
     }
 }
 

@@ -179,8 +179,9 @@ fn run_on_host<P: Scalar>(law: &Compiled<P>, columns: &mut [Aligned<P>], ends: &
     // knows them.
     match &law.kernel {
         Kernel::Row(kernel) => {
-            let (slots, part, ahead) = (&slots[..], Part::All, Default::default());
-            let call = RowCall { slots, uniform: 0, rows, part, advance: None, drift: None, first: false, ahead };
+            let (slots, part, ahead) = (slots[..].into(), Part::All, Default::default());
+            let (advance, drift) = (None.into(), None.into());
+            let call = RowCall { slots, uniform: 0, rows, part, advance, drift, first: false, ahead };
             // SAFETY: as above.
             unsafe { kernel.run(Isa::Scalar, &call) };
         }

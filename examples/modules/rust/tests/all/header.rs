@@ -67,7 +67,8 @@ fn c_and_rust_have_the_same_structures() {
                 destroy,
                 state_size,
                 save,
-                load
+                load,
+                native_rows
             ]
         ),
         structure!(Host, "vesper_host", [struct_size, abi, context, log]),
