@@ -9,7 +9,7 @@ use super::ensemble::Ensemble;
 use crate::fault::SceneFault;
 use crate::output::json;
 use crate::reader::Reader;
-use crate::run::Outcome;
+use crate::run::{LawOutcome, Outcome};
 use crate::scene::Scene;
 
 /// A run, in short.
@@ -52,13 +52,21 @@ impl Record {
         }
     }
 
-    /// A run that came to its end, or broke on its way.
+    /// A run that came to its end, or broke on its way. One that went on without a law that failed is of other physics than
+    /// its neighbours in the table: it counts as failed.
     pub fn new(ensemble: &Ensemble, run: usize, scene: &Scene, outcome: &Outcome) -> Self {
-        let done = outcome.faults.is_empty();
+        let mut faults: Vec<String> = outcome.faults.iter().map(|fault| fault.text.clone()).collect();
+        // Where all laws have to run, the failure of one is among the faults already.
+        if !scene.is_strict() {
+            let failed = outcome.laws.iter().filter(|law| law.status == "failed");
+            let told = |law: &LawOutcome| format!("law {} failed: {}", law.name, law.reason.as_deref().unwrap_or("?"));
+            faults.splice(0..0, failed.map(told));
+        }
+        let done = faults.is_empty();
         let measure = |measure: &super::Measure| measure.of(scene, &outcome.domains).filter(|_| done);
         Self {
             run,
-            fault: (!done).then(|| texts(&outcome.faults)),
+            fault: (!done).then(|| faults.join("; ")),
             time: outcome.time,
             steps: outcome.steps,
             evaluations: outcome.evaluations,
