@@ -26,7 +26,7 @@ slope = { value = 500, unit = "g/s" }
 "#;
 
 /// A folder with the example in C, changed in one place, as `liblift.so`, and the scene.
-fn folder(name: &str, from: &str, to: &str) -> Scratch {
+pub fn folder(name: &str, from: &str, to: &str) -> Scratch {
     let scratch = Scratch::new(name);
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let source = std::fs::read_to_string(project.join("examples/modules/c/lift.c")).unwrap();
