@@ -13,6 +13,7 @@ pub mod command;
 pub mod csv;
 pub mod fault;
 pub mod generate;
+pub mod hash;
 pub mod modules;
 pub mod output;
 pub mod reader;

@@ -109,7 +109,9 @@ the last one to end makes table and picture. As an array of Slurm:
   #SBATCH --array=1-16
   vesper sweep scene.toml --vary engine.step=1e-4:1e-1:64:log --shard $SLURM_ARRAY_TASK_ID/16 --out results
 
-A run that fails leaves its reason, and stops no other; then the exit status is 3.";
+A run that fails leaves its reason, and stops no other; then the exit status is 3, of a shard where one of its own runs failed.
+--limit gives up what takes longer, so that one run that never ends keeps no others waiting; what is given up is the clock's to say.
+What failed is not run again, unless --retry says so.";
 
 fn integrators() -> String {
     let names: Vec<&str> = INTEGRATORS.iter().map(|known| known.name).collect();
@@ -300,11 +302,14 @@ pub struct Sweep {
     /// Runs at the same time, each on one thread unless the scene or --threads says more [default: all cores]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub jobs: Option<String>,
+    /// Time that one run may take, in s; one that takes longer fails [default: as long as it takes]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub limit: Option<String>,
     /// Run again what failed
     #[arg(long, requires = "out")]
     pub retry: bool,
     /// Only table and picture of the runs that are in the folder; all of them must be there
-    #[arg(long, requires = "out", conflicts_with_all = ["shard", "retry", "jobs"])]
+    #[arg(long, requires = "out", conflicts_with_all = ["shard", "retry", "jobs", "limit"])]
     pub collect: bool,
     /// Time to stop at, in s
     #[arg(long, value_name = "S", allow_negative_numbers = true)]

@@ -1,7 +1,7 @@
 //! `vesper sweep`.
 
-use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
@@ -13,6 +13,7 @@ use crate::fault::SceneFault;
 use crate::output::json;
 use crate::sweep::ensemble::WHOLE;
 use crate::sweep::folder::{PICTURE, TABLE};
+use crate::sweep::work::{Ended, How, Known};
 use crate::sweep::{Ensemble, Manifest, Measure, Plan, Record, Shard, SweepFolder, Vary, check, diagram, table, work};
 
 /// More runs at the same time than this are a slip of the finger.
@@ -25,33 +26,33 @@ type Records = BTreeMap<usize, Record>;
 
 pub(super) fn sweep(arguments: &Sweep) -> Result<Exit, Vec<SceneFault>> {
     let Some(scene) = arguments.scene.as_deref() else { return of_a_folder(arguments) };
-    let (plan, shard, jobs) = planned(arguments, scene)?;
+    let (plan, shard, jobs, limit) = planned(arguments, scene)?;
     let manifest = Manifest::new(&plan);
     let folder = arguments.out.as_deref().map(|out| SweepFolder::new(out, &manifest)).transpose()?;
     let ensemble = &plan.ensemble;
     if arguments.collect {
         return Ok(finish(arguments, ensemble, folder.as_ref(), Records::new(), shard));
     }
-    let mut records = Records::new();
-    let mut missing = Vec::new();
-    for run in shard.runs(ensemble.runs()) {
-        let there = folder.as_ref().and_then(|folder| folder.record(ensemble, run));
-        match there.filter(|record| record.fault.is_none() || !arguments.retry) {
-            Some(record) => _ = records.insert(run, record),
-            None => missing.push(run),
-        }
-    }
-    let (stop, mut trouble) = (stop_on_interrupt(), None);
+    let known = |run: usize| {
+        let there = folder.as_ref().map_or(Ok(None), |folder| folder.record(ensemble, run));
+        there.map(|record| record.filter(|record| record.fault.is_none() || !arguments.retry))
+    };
+    let (mut records, missing) = known_and_missing(shard.runs(ensemble.runs()), &known)?;
+    let (how, mut trouble) = (How { jobs, limit, stop: stop_on_interrupt() }, None);
     let bar = bar(arguments.quiet, missing.len() as u64);
-    work::make(&plan, &missing, jobs, &stop, |record| {
+    work::make(&plan, &missing, &how, &known, |ended| {
         bar.inc(1);
-        bar.set_message(ensemble.key(record.run));
-        if let Some(Err(text)) = folder.as_ref().map(|folder| folder.keep(ensemble, &record)) {
+        let kept = ended.and_then(|Ended { record, made }| {
+            bar.set_message(ensemble.key(record.run));
+            let kept = folder.as_ref().filter(|_| made).map_or(Ok(()), |folder| folder.keep(ensemble, &record));
+            records.insert(record.run, record);
+            kept
+        });
+        if let Err(text) = kept {
             // What cannot be kept need not be made.
-            stop.store(true, Ordering::Relaxed);
+            how.stop.store(true, Ordering::Relaxed);
             trouble.get_or_insert(text);
         }
-        records.insert(record.run, record);
     });
     bar.finish_and_clear();
     if let Some(text) = trouble {
@@ -64,10 +65,41 @@ pub(super) fn sweep(arguments: &Sweep) -> Result<Exit, Vec<SceneFault>> {
             Some(_) => "the same command goes on",
             None => "with --out DIR they would be kept, and the same command would go on",
         };
-        complain(&format!("interrupted; {} of {} are done; {on}\n", records.len(), runs(of)));
+        let done = records.len();
+        if folder.is_none() {
+            // Nobody has them but this.
+            let missing: Vec<usize> = (1..=of).filter(|run| !records.contains_key(run)).collect();
+            let records: Vec<Record> = records.into_values().collect();
+            say(&match (arguments.json, arguments.quiet || done == 0) {
+                (true, _) => as_json(ensemble, &records, &missing),
+                (false, true) => String::new(),
+                (false, false) => table::words(ensemble, &records),
+            });
+        }
+        complain(&format!("interrupted; {done} of {} are done; {on}\n", runs(of)));
         return Ok(Exit::Interrupted);
     }
     Ok(finish(arguments, ensemble, folder.as_ref(), records, shard))
+}
+
+/// Of some runs, the records that are known, and the others; or why that cannot be told.
+fn known_and_missing(
+    runs: impl Iterator<Item = usize>,
+    known: &Known<'_>,
+) -> Result<(Records, Vec<usize>), Vec<SceneFault>> {
+    let (mut records, mut missing, mut faults) = (Records::new(), Vec::new(), Vec::new());
+    for run in runs {
+        match known(run) {
+            Ok(Some(record)) => _ = records.insert(run, record),
+            Ok(None) => missing.push(run),
+            Err(text) => faults.push(SceneFault::of_file("--out", text)),
+        }
+        // A folder of which nothing can be read is told in fewer words than there are runs.
+        if faults.len() == MOST_PIECES {
+            break;
+        }
+    }
+    if faults.is_empty() { Ok((records, missing)) } else { Err(faults) }
 }
 
 /// `--collect` without a scene: the folder says of what it is.
@@ -82,7 +114,7 @@ fn of_a_folder(arguments: &Sweep) -> Result<Exit, Vec<SceneFault>> {
 }
 
 /// What is to be done, or everything that is wrong with it.
-fn planned(arguments: &Sweep, scene: &Path) -> Result<(Plan, Shard, usize), Vec<SceneFault>> {
+fn planned(arguments: &Sweep, scene: &Path) -> Result<(Plan, Shard, usize, Option<f64>), Vec<SceneFault>> {
     let mut faults = Vec::new();
     let (mut varies, mut measures) = (Vec::new(), Vec::new());
     for argument in &arguments.vary {
@@ -99,6 +131,7 @@ fn planned(arguments: &Sweep, scene: &Path) -> Result<(Plan, Shard, usize), Vec<
     }
     let shard = arguments.shard.as_deref().map_or(Ok(WHOLE), Shard::read).map_err(|fault| faults.push(fault));
     let jobs = jobs(arguments.jobs.as_deref()).map_err(|fault| faults.push(fault));
+    let limit = arguments.limit.as_deref().map(limit).transpose().map_err(|fault| faults.push(fault));
     let ensemble = Ensemble { title: String::new(), varies, measures };
     let plan = Plan::new(scene, arguments.overrides(), arguments.settings.modules.modules(), ensemble)
         .map_err(|fault| faults.push(fault));
@@ -106,7 +139,7 @@ fn planned(arguments: &Sweep, scene: &Path) -> Result<(Plan, Shard, usize), Vec<
         (Ok(mut plan), shard, jobs) => {
             check(&mut plan, faults)?;
             // Both are right, or check would have had their faults to give back.
-            Ok((plan, shard.unwrap_or(WHOLE), jobs.unwrap_or(1)))
+            Ok((plan, shard.unwrap_or(WHOLE), jobs.unwrap_or(1), limit.unwrap_or(None)))
         }
         (Err(()), ..) => Err(faults),
     }
@@ -121,7 +154,36 @@ fn jobs(text: Option<&str>) -> Result<usize, SceneFault> {
     }
 }
 
-/// Table and picture where all runs are there; else which are missing, and who makes them.
+fn limit(text: &str) -> Result<f64, SceneFault> {
+    let wrong = || SceneFault::of_argument("--limit", text, text, "expected a number above 0", None);
+    text.trim().parse().ok().filter(|limit: &f64| *limit > 0.0 && limit.is_finite()).ok_or_else(wrong)
+}
+
+/// Adds to the records of a shard those of the folder, if all are there or all are asked for: a shard that is not the last one has
+/// no business with those of others. Also which runs are missing.
+fn gathered(
+    arguments: &Sweep,
+    ensemble: &Ensemble,
+    folder: &SweepFolder,
+    records: &mut Records,
+) -> Result<Vec<usize>, String> {
+    let listed = folder.listed()?;
+    let mut missing: Vec<usize> = (1..=ensemble.runs()).filter(|run| !listed.contains(run)).collect();
+    if missing.is_empty() || arguments.collect {
+        for run in listed.range(1..=ensemble.runs()) {
+            let Entry::Vacant(place) = records.entry(*run) else { continue };
+            match folder.record(ensemble, *run)? {
+                Some(record) => _ = place.insert(record),
+                None => missing.push(*run),
+            }
+        }
+        missing.sort_unstable();
+    }
+    Ok(missing)
+}
+
+/// Table and picture where all runs are there; else which are missing, and who makes them. `records`: those of the shard, by which
+/// alone it has failed or not.
 fn finish(
     arguments: &Sweep,
     ensemble: &Ensemble,
@@ -129,16 +191,15 @@ fn finish(
     mut records: Records,
     shard: Shard,
 ) -> Exit {
-    let mut missing = Vec::new();
-    for run in 1..=ensemble.runs() {
-        let Entry::Vacant(place) = records.entry(run) else { continue };
-        match folder.and_then(|folder| folder.record(ensemble, run)) {
-            Some(record) => _ = place.insert(record),
-            None => missing.push(run),
+    let own: BTreeSet<usize> = records.keys().copied().collect();
+    let missing = match folder.map_or(Ok(Vec::new()), |folder| gathered(arguments, ensemble, folder, &mut records)) {
+        Ok(missing) => missing,
+        Err(trouble) => {
+            complain(&format!("error: {trouble}\n"));
+            return Exit::Failed;
         }
-    }
+    };
     let records: Vec<Record> = records.into_values().collect();
-    let failed = records.iter().filter(|record| record.fault.is_some()).count();
     let mut text = String::new();
     if missing.is_empty() {
         text += &table::words(ensemble, &records);
@@ -152,7 +213,11 @@ fn finish(
         }
     } else {
         let (all, lacking) = (runs(ensemble.runs()), pieces(&missing));
-        text += &format!("{} of {all} are in {}; not there, or not yet: {lacking}\n", records.len(), shown(arguments));
+        text += &format!(
+            "{} of {all} are in {}; not there, or not yet: {lacking}\n",
+            ensemble.runs() - missing.len(),
+            shown(arguments)
+        );
         text += &who(&missing, shard);
         text += &format!(
             "the last one to end makes the table, and so does vesper sweep --collect --out {}\n",
@@ -160,8 +225,7 @@ fn finish(
         );
     }
     if arguments.json {
-        let runs: Vec<_> = records.iter().map(|record| record.to_json(ensemble)).collect();
-        text = json::text(&json!({ "title": ensemble.title, "runs": runs, "missing": missing }));
+        text = as_json(ensemble, &records, &missing);
     }
     // A table that was asked for and is not there is a failure; of a shard that did its part it is the usual end.
     let lacks = arguments.collect && !missing.is_empty();
@@ -173,10 +237,18 @@ fn finish(
         (true, _) => Exit::Done,
         (false, _) => say(&text),
     };
-    if failed > 0 {
-        complain(&failures(ensemble, &records, missing.is_empty()));
+    let own: Vec<Record> =
+        records.into_iter().filter(|record| arguments.collect || own.contains(&record.run)).collect();
+    let failed = own.iter().any(|record| record.fault.is_some());
+    if failed {
+        complain(&failures(ensemble, &own, missing.is_empty()));
     }
-    if failed > 0 || lacks { Exit::Failed } else { said }
+    if failed || lacks { Exit::Failed } else { said }
+}
+
+fn as_json(ensemble: &Ensemble, records: &[Record], missing: &[usize]) -> String {
+    let runs: Vec<_> = records.iter().map(|record| record.to_json(ensemble)).collect();
+    json::text(&json!({ "title": ensemble.title, "runs": runs, "missing": missing }))
 }
 
 /// How many runs failed; where no table says it, also which, and why.

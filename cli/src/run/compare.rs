@@ -3,8 +3,6 @@
 //! In: section `[compare]` and the table it names. Out: what is to be compared when, and the distance of a state from it.
 //! Never: a step; whoever runs brings a state of the right time.
 
-use std::path::Path;
-
 use vesper::prelude::*;
 use vesper_dimension::Unit;
 
@@ -71,8 +69,8 @@ impl Target {
 pub fn targets(scene: &Scene, compare: &Compare, start: f64) -> Result<Targets, Vec<SceneFault>> {
     let csv = &compare.csv;
     let at = |text: String, help| vec![scene.fault(csv.span, text, help)];
-    let text = std::fs::read_to_string(scene.folder.join(Path::new(&csv.value)))
-        .map_err(|error| at(format!("cannot read `{}`: {error}", csv.value), None))?;
+    let text =
+        scene.files.read(&csv.value).map_err(|error| at(format!("cannot read `{}`: {error}", csv.value), None))?;
     let table = Table::parse(&csv.value, &text)?;
     let mut faults = Vec::new();
     let mut find = |column: &Spanned<String>| match table.find(&column.value) {

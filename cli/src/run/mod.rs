@@ -9,6 +9,7 @@ pub mod drift;
 mod drive;
 mod law_times;
 mod outcome;
+pub mod patience;
 pub mod snapshot;
 pub mod stable;
 mod way;

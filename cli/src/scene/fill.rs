@@ -3,20 +3,19 @@
 //! In: domains and requests as read. Out: the domains with their columns added. Never: puts a column in the place of one
 //! that is there; two sources of one column are a fault.
 
-use std::path::Path;
-
 use super::data::{ColumnData, DomainData, FromCsv, GenerateRequest};
+use super::files::Files;
 use super::walk::Walk;
 use crate::csv;
 use crate::fault::{SceneFault, Span, Spanned};
 use crate::generate;
 
 /// Reads the CSV file of every domain that has one. Domains that could not be filled are named in `incomplete`.
-pub(crate) fn from_files(walk: &mut Walk, domains: &mut [DomainData], folder: &Path, incomplete: &mut Vec<String>) {
+pub(crate) fn from_files(walk: &mut Walk, domains: &mut [DomainData], files: &Files, incomplete: &mut Vec<String>) {
     for domain in domains {
         let Some(from) = domain.from.clone() else { continue };
         let before = walk.count();
-        if let Some(table) = read_table(walk, &from.csv, folder) {
+        if let Some(table) = read_table(walk, &from.csv, files) {
             columns_of(walk, domain, &from, &table);
         }
         if walk.count() > before {
@@ -25,8 +24,8 @@ pub(crate) fn from_files(walk: &mut Walk, domains: &mut [DomainData], folder: &P
     }
 }
 
-fn read_table(walk: &mut Walk, csv: &Spanned<String>, folder: &Path) -> Option<csv::Table> {
-    let text = match std::fs::read_to_string(folder.join(&csv.value)) {
+fn read_table(walk: &mut Walk, csv: &Spanned<String>, files: &Files) -> Option<csv::Table> {
+    let text = match files.read(&csv.value) {
         Ok(text) => text,
         Err(error) => {
             walk.fault(csv.span, format!("cannot read `{}`: {error}", csv.value), None);

@@ -12,6 +12,7 @@ mod check;
 mod compare;
 mod data;
 mod domains;
+mod files;
 mod fill;
 mod overrides;
 mod sections;
@@ -24,6 +25,7 @@ use std::path::{Path, PathBuf};
 
 pub use data::*;
 pub(crate) use domains::plural;
+pub use files::Files;
 pub(crate) use overrides::is_word;
 pub use overrides::{OptionKind, Override};
 
@@ -38,6 +40,8 @@ pub struct Scene {
     pub sources: Sources,
     /// The folder of the scene: files that it names lie beside it.
     pub folder: PathBuf,
+    /// These files.
+    pub files: Files,
     /// What it is.
     pub title: Option<Spanned<String>>,
     /// Section `[engine]`.
@@ -104,6 +108,17 @@ impl Scene {
         overrides: &[Override],
         more: impl FnOnce(&Self) -> Vec<(Span, SceneFault)>,
     ) -> Result<Self, Vec<SceneFault>> {
+        Self::from_text_of(file, text, &Files::of(folder), overrides, more)
+    }
+
+    /// The same, with the files that it names from wherever `files` has them.
+    pub fn from_text_of(
+        file: &str,
+        text: &str,
+        files: &Files,
+        overrides: &[Override],
+        more: impl FnOnce(&Self) -> Vec<(Span, SceneFault)>,
+    ) -> Result<Self, Vec<SceneFault>> {
         let mut walk = Walk::default();
         let base = walk.sources.add(file, text, true);
         let bases: Vec<usize> =
@@ -117,12 +132,13 @@ impl Scene {
             overrides::apply(&mut walk, &mut root, change, base);
         }
         let own_end = own.and_then(|engine| engine.end).map(|end| end.value);
-        let mut scene = Self { folder: folder.to_owned(), own_end, ..Self::default() };
+        let folder = files.folder().to_owned();
+        let mut scene = Self { folder, files: files.clone(), own_end, ..Self::default() };
         scene.read_sections(&mut walk, &root);
         // What is lost in a gap of the syntax would be missed here, and faulted for the wrong reason.
         if walk.is_whole() {
             let mut incomplete = Vec::new();
-            fill::from_files(&mut walk, &mut scene.domains, folder, &mut incomplete);
+            fill::from_files(&mut walk, &mut scene.domains, files, &mut incomplete);
             fill::from_generators(&mut walk, &mut scene.domains, &scene.generate, &mut incomplete);
             scene.note_lost(&root, &mut incomplete);
             let listed = match root.get("laws").map(|node| &node.value) {

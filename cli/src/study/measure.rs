@@ -5,7 +5,6 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use vesper::prelude::*;
@@ -14,6 +13,8 @@ use vesper_laws::catalog::CatalogPrecision;
 use super::problem::{Answer, Moment, Problem};
 use crate::assemble::integrators::NamedIntegrator;
 use crate::run::drift::Drift;
+pub use crate::run::patience::Patience;
+use crate::run::patience::watched;
 use crate::run::stable;
 use crate::scene::Precision as Numbers;
 
@@ -69,15 +70,6 @@ pub struct Run {
     pub stable: bool,
     /// Why it did not come to its end.
     pub broke: Option<String>,
-}
-
-/// When to give up.
-#[derive(Clone, Debug, Default)]
-pub struct Patience {
-    /// Time that a run may take, in s.
-    pub limit: f64,
-    /// Once it is true, runs end.
-    pub stop: Arc<AtomicBool>,
 }
 
 /// What one go through a problem leaves.
@@ -255,24 +247,6 @@ fn fixed<P: CatalogPrecision>(engine: &mut Engine<P>, way: f64, step: f64, stop:
         }
     }
     Ok(())
-}
-
-/// Does the work while somebody looks at the clock, and sets the flag once it is time to come back.
-fn watched<T>(patience: &Patience, stop: &AtomicBool, work: impl FnOnce() -> T) -> T {
-    std::thread::scope(|scope| {
-        let (done, waits) = channel::<()>();
-        scope.spawn(move || {
-            let end = Instant::now() + Duration::from_secs_f64(patience.limit.clamp(1e-3, 1e9));
-            while waits.recv_timeout(Duration::from_millis(20)) == Err(RecvTimeoutError::Timeout) {
-                if Instant::now() > end || patience.stop.load(Ordering::Relaxed) {
-                    stop.store(true, Ordering::Relaxed);
-                }
-            }
-        });
-        let result = work();
-        drop(done);
-        result
-    })
 }
 
 /// Runs a problem by a method: once, and again where once is too short for a clock.

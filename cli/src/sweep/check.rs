@@ -1,7 +1,7 @@
 //! Looks at a whole sweep before anything of it runs.
 //!
-//! In: a plan. Out: the plan with what only an engine knows (units, the title), or every mistake: of paths, of values, of the
-//! scene, of what is measured. Never: a step.
+//! In: a plan. Out: the plan with what only an engine knows (units, the title) and with hashes of all that its scenes read, or
+//! every mistake: of paths, of values, of the scene, of what is measured. Never: a step.
 //!
 //! Values are looked at one by one, beside the first ones of whatever else varies: so all words are seen, and thousands of
 //! combinations need not be; of long ranges of numbers the first ones and the last, for what a number may be has a limit, or
@@ -39,8 +39,15 @@ pub fn check(plan: &mut Plan, mut faults: Vec<SceneFault>) -> Result<(), Vec<Sce
     let measures = std::mem::take(&mut plan.ensemble.measures);
     // Runs beyond all numbers have none to be looked at by.
     let runs = if few { one_by_one(&plan.ensemble) } else { vec![1] };
-    let wrong = runs.iter().filter_map(|run| plan.scene(*run).err()).flatten();
-    faults.extend(told_once(wrong));
+    let mut wrong = Vec::new();
+    for run in &runs {
+        // A file or a module that some run reads is the value of one path, or of none: so here all are read.
+        match plan.scene(*run) {
+            Ok(scene) => wrong.extend(plan.note(&scene).err()),
+            Err(more) => wrong.extend(more),
+        }
+    }
+    faults.extend(told_once(wrong.into_iter()));
     if !faults.is_empty() {
         return Err(faults);
     }

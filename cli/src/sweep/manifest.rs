@@ -4,9 +4,7 @@
 //! machine, a number of threads or of shards: results do not depend on them.
 //!
 //! The scene stands there as its whole text, so that a folder says by itself what it is, and of another scene the first line
-//! that differs can be shown. Of files beside the scene there is a hash.
-
-use std::path::Path;
+//! that differs can be shown. Of files beside the scene and of libraries with laws there is a hash.
 
 use serde_json::{Value, json};
 
@@ -15,10 +13,10 @@ use super::measure::Measure;
 use super::plan::Plan;
 use super::vary::{Spacing, Vary};
 use crate::reader::Reader;
-use crate::scene::{Override, Scene};
+use crate::scene::Override;
 
 /// The format; another number is another one.
-const VERSION: u64 = 1;
+const VERSION: u64 = 2;
 
 /// All that results depend on.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,8 +27,10 @@ pub struct Manifest {
     pub scene: String,
     /// Changes of it, as they were written.
     pub changes: Vec<String>,
-    /// Files that the scene reads, each with a hash of its bytes.
+    /// Files that the scene reads in any run, each with a hash of its bytes.
     pub files: Vec<(String, String)>,
+    /// Modules of laws that it names in any run, each with a hash of its library.
+    pub modules: Vec<(String, String)>,
     /// The runs.
     pub ensemble: Ensemble,
 }
@@ -40,13 +40,12 @@ impl Manifest {
     pub fn new(plan: &Plan) -> Self {
         let told = |change: &Override| change.source().0;
         let matters = |change: &&Override| !matches!(change, Override::Engine { key: "threads", .. });
-        // Of names of files that vary, those of the first run stand for all.
-        let files = plan.scene(1).map_or_else(|_| Vec::new(), |scene| files(&scene, &plan.folder));
         Self {
             vesper: env!("CARGO_PKG_VERSION").to_owned(),
             scene: plan.text.clone(),
             changes: plan.changes.iter().filter(matters).map(told).collect(),
-            files,
+            files: plan.files.account(),
+            modules: plan.libraries.clone().into_iter().collect(),
             ensemble: plan.ensemble.clone(),
         }
     }
@@ -55,7 +54,9 @@ impl Manifest {
     pub fn to_json(&self) -> Value {
         let vary = |vary: &Vary| json!({ "path": vary.path, "spacing": vary.spacing.name(), "values": vary.values });
         let measure = |measure: &Measure| json!({ "measure": measure.text, "unit": measure.unit });
-        let file = |(name, hash): &(String, String)| json!({ "file": name, "fnv1a": hash });
+        let hashed = |what: &str, list: &[(String, String)]| -> Vec<Value> {
+            list.iter().map(|(name, hash)| json!({ what: name, "fnv1a": hash })).collect()
+        };
         let Ensemble { title, varies, measures } = &self.ensemble;
         json!({
             "vesper_sweep": VERSION,
@@ -65,7 +66,8 @@ impl Manifest {
             "vary": varies.iter().map(vary).collect::<Vec<_>>(),
             "measures": measures.iter().map(measure).collect::<Vec<_>>(),
             "changes": self.changes,
-            "files": self.files.iter().map(file).collect::<Vec<_>>(),
+            "files": hashed("file", &self.files),
+            "modules": hashed("module", &self.modules),
             "scene": self.scene,
         })
     }
@@ -95,7 +97,10 @@ impl Manifest {
             let read = Measure::read(&measure.field("measure")?.text()?).map_err(|fault| fault.text)?;
             Ok(Measure { unit: measure.field("unit")?.text()?, ..read })
         };
-        let file = |file: &Reader<'_>| Ok((file.field("file")?.text()?, file.field("fnv1a")?.text()?));
+        let hashed = |what: &str| {
+            let pair = |one: &Reader<'_>| Ok((one.field(what)?.text()?, one.field("fnv1a")?.text()?));
+            root.field(&format!("{what}s"))?.list(pair)
+        };
         let ensemble = Ensemble {
             title: root.field("title")?.text()?,
             varies: root.field("vary")?.list(vary)?,
@@ -108,7 +113,8 @@ impl Manifest {
             vesper: root.field("vesper")?.text()?,
             scene: root.field("scene")?.text()?,
             changes: root.field("changes")?.list(Reader::text)?,
-            files: root.field("files")?.list(file)?,
+            files: hashed("file")?,
+            modules: hashed("module")?,
             ensemble,
         })
     }
@@ -137,11 +143,11 @@ impl Manifest {
             }
         }
         note("changes of the scene", self.changes.join(" "), other.changes.join(" "));
-        let files = |of: &Manifest| -> String {
-            let files: Vec<String> = of.files.iter().map(|(name, hash)| format!("{name} ({hash})")).collect();
-            files.join(", ")
+        let hashed = |list: &[(String, String)]| -> String {
+            list.iter().map(|(name, hash)| format!("{name} ({hash})")).collect::<Vec<_>>().join(", ")
         };
-        note("files beside the scene", files(self), files(other));
+        note("files beside the scene", hashed(&self.files), hashed(&other.files));
+        note("modules of laws", hashed(&self.modules), hashed(&other.modules));
         let varies = |of: &Manifest| -> String {
             let told = |vary: &Vary| format!("{}=[{}]", vary.path, vary.values.join(", "));
             of.ensemble.varies.iter().map(told).collect::<Vec<_>>().join(" ")
@@ -165,26 +171,6 @@ fn quoted(text: &str) -> String {
     }
 }
 
-/// The files that a scene names, each with the hash of its bytes.
-fn files(scene: &Scene, folder: &Path) -> Vec<(String, String)> {
-    let tables = scene.domains.iter().filter_map(|domain| domain.from.as_ref()).map(|from| &from.csv.value);
-    let compared = scene.compare.as_ref().map(|compare| &compare.csv.value);
-    let mut names: Vec<&String> = tables.chain(compared).collect();
-    names.sort();
-    names.dedup();
-    let hash = |name: &String| std::fs::read(folder.join(name)).map_or_else(|_| "-".to_owned(), |bytes| fnv1a(&bytes));
-    names.into_iter().map(|name| (name.clone(), hash(name))).collect()
-}
-
-/// FNV-1a, 64 bits (Fowler, Noll, Vo), in hexadecimal digits: it tells a file from its earlier self on every machine, which
-/// the standard library's hash does not promise.
-fn fnv1a(bytes: &[u8]) -> String {
-    let hash = bytes
-        .iter()
-        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3));
-    format!("{hash:016x}")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -196,7 +182,8 @@ mod tests {
             vesper: "0.1.0".to_owned(),
             scene: "[engine]\nstep = 1\n".to_owned(),
             changes: vec!["--end 5".to_owned()],
-            files: vec![("a.csv".to_owned(), fnv1a(b"a"))],
+            files: vec![("a.csv".to_owned(), "af63dc4c8601ec8c".to_owned())],
+            modules: vec![("lift".to_owned(), "af63dc4c8601ec8d".to_owned())],
             ensemble: Ensemble { title: "t".to_owned(), varies, measures },
         }
     }
@@ -207,7 +194,6 @@ mod tests {
         let read = Manifest::read(&one.to_json().to_string()).unwrap();
         assert_eq!(read, one);
         assert!(one.differences(&read).is_empty());
-        assert_eq!(fnv1a(b"a"), "af63dc4c8601ec8c", "the published value");
     }
 
     #[test]
@@ -233,7 +219,7 @@ mod tests {
         let none = text.replace("[\"x\",\"y\"]", "[]");
         for (text, expected) in [
             ("{", "it is no JSON"),
-            ("{}", "it is no manifest of version 1"),
+            ("{}", "it is no manifest of version 2"),
             (none.as_str(), "expected a spacing, and at least one value at /vary/.."),
         ] {
             let told = Manifest::read(text).unwrap_err();

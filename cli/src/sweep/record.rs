@@ -6,10 +6,10 @@
 use serde_json::{Map, Value, json};
 
 use super::ensemble::Ensemble;
-use crate::fault::SceneFault;
+use crate::fault::{SceneFault, number};
 use crate::output::json;
 use crate::reader::Reader;
-use crate::run::Outcome;
+use crate::run::{LawOutcome, Outcome};
 use crate::scene::Scene;
 
 /// A run, in short.
@@ -52,19 +52,39 @@ impl Record {
         }
     }
 
-    /// A run that came to its end, or broke on its way.
+    /// A run that came to its end, or broke on its way. One that went on without a law that failed is of other physics than
+    /// its neighbours in the table: it counts as failed.
     pub fn new(ensemble: &Ensemble, run: usize, scene: &Scene, outcome: &Outcome) -> Self {
-        let done = outcome.faults.is_empty();
+        let mut faults: Vec<String> = outcome.faults.iter().map(|fault| fault.text.clone()).collect();
+        // Where all laws have to run, the failure of one is among the faults already.
+        if !scene.is_strict() {
+            let failed = outcome.laws.iter().filter(|law| law.status == "failed");
+            let told = |law: &LawOutcome| format!("law {} failed: {}", law.name, law.reason.as_deref().unwrap_or("?"));
+            faults.splice(0..0, failed.map(told));
+        }
+        let done = faults.is_empty();
         let measure = |measure: &super::Measure| measure.of(scene, &outcome.domains).filter(|_| done);
         Self {
             run,
-            fault: (!done).then(|| texts(&outcome.faults)),
+            fault: (!done).then(|| faults.join("; ")),
             time: outcome.time,
             steps: outcome.steps,
             evaluations: outcome.evaluations,
             invariants: if done { json::invariants(&outcome.drift) } else { Value::Null },
             measures: ensemble.measures.iter().map(measure).collect(),
             wall_seconds: outcome.wall_seconds,
+        }
+    }
+
+    /// A run that took longer than its limit, in s. Its text says the limit, not the time, so that tables tell such runs alike.
+    pub fn given_up(ensemble: &Ensemble, run: usize, limit: f64, outcome: &Outcome) -> Self {
+        Self {
+            fault: Some(format!("given up after {} s", number(limit))),
+            time: outcome.time,
+            steps: outcome.steps,
+            evaluations: outcome.evaluations,
+            wall_seconds: outcome.wall_seconds,
+            ..Self::refused(ensemble, run, &[])
         }
     }
 
@@ -105,10 +125,9 @@ impl Record {
     /// Reads the record of `run`.
     ///
     /// # Errors
-    /// What is wrong with the text: also, that it is of another run.
-    pub fn read(text: &str, ensemble: &Ensemble, run: usize) -> Result<Self, String> {
-        let value: Value = serde_json::from_str(text).map_err(|error| format!("it is no JSON: {error}"))?;
-        let root = Reader::new(&value);
+    /// What is wrong with it: also, that it is of another run.
+    pub fn read(value: &Value, ensemble: &Ensemble, run: usize) -> Result<Self, String> {
+        let root = Reader::new(value);
         if root.field("key")?.text()? != ensemble.key(run) {
             return Err("it is of another run".to_owned());
         }
@@ -158,13 +177,14 @@ mod tests {
         let value = record.to_json(&ensemble);
         assert_eq!(value["parameters"]["a.b"].to_string(), "18446744073709551615");
         assert_eq!((record.drift("energy"), record.drift("momentum")), (Some(1.0 / 3.0), None));
+        let read = |text: &str, run| Record::read(&serde_json::from_str(text).unwrap(), &ensemble, run);
         let text = json::text(&value);
-        assert_eq!(Record::read(&text, &ensemble, 3), Ok(record));
-        assert_eq!(Record::read(&text, &ensemble, 2), Err("it is of another run".to_owned()));
-        assert!(Record::read(&text[..text.len() / 2], &ensemble, 3).is_err());
+        assert_eq!(read(&text, 3), Ok(record));
+        assert_eq!(read(&text, 2), Err("it is of another run".to_owned()));
+        assert!(read("{}", 3).is_err());
         let broken = Record { fault: Some("broke".to_owned()), ..Record::refused(&ensemble, 1, &[]) };
         let text = json::text(&broken.to_json(&ensemble));
         assert!(text.contains("\"a.b\": 0.1") && text.contains("\"status\": \"failed\""), "{text}");
-        assert_eq!(Record::read(&text, &ensemble, 1), Ok(broken));
+        assert_eq!(read(&text, 1), Ok(broken));
     }
 }

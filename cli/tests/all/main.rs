@@ -11,3 +11,4 @@ mod scene_mistakes;
 mod stable;
 mod study;
 mod sweep;
+mod sweep_folder;

@@ -26,7 +26,7 @@ slope = { value = 500, unit = "g/s" }
 "#;
 
 /// A folder with the example in C, changed in one place, as `liblift.so`, and the scene.
-fn folder(name: &str, from: &str, to: &str) -> Scratch {
+pub fn folder(name: &str, from: &str, to: &str) -> Scratch {
     let scratch = Scratch::new(name);
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let source = std::fs::read_to_string(project.join("examples/modules/c/lift.c")).unwrap();
@@ -159,4 +159,26 @@ fn a_law_that_fails_does_not_stop_a_run_unless_all_have_to() {
     let strict = vesper(["run", &scene, "--laws", &laws, "--json", "--strict"]);
     assert_eq!(strict.status, 3, "{}", strict.stderr);
     assert!(strict.stderr.contains("lift failed and is switched off"), "{}", strict.stderr);
+}
+
+#[test]
+fn a_run_of_a_sweep_whose_law_failed_has_failed() {
+    let scratch = folder(
+        "module-fails-sweep",
+        "    return 0;\n}\n\nstatic const vesper_port",
+        "    return speed[call->begin] == 1 ? 5 : 0;\n}\n\nstatic const vesper_port",
+    );
+    let (scene, laws, out) = (scratch.file("scene.toml"), scratch.0.display().to_string(), scratch.file("out"));
+    let words = ["sweep", &scene, "--laws", &laws, "--vary", "domains.bodies.velocity.0=[[1, 0, 0], [2, 0, 0]]"];
+    let more = ["--measure", "bodies.position[0].z", "--out", &out, "--quiet"];
+    let told = vesper([&words[..], &more[..]].concat());
+    assert!(told.status == 3 && told.stderr == "1 of 2 runs failed\n", "{} {}", told.status, told.stderr);
+    let table = scratch.read("out/table.csv");
+    let lines: Vec<&str> = table.lines().collect();
+    assert!(lines[1].contains(",failed,") && lines[1].ends_with(",,law lift failed: `apply` returned 5"), "{table}");
+    assert!(lines[2].contains(",done,") && lines[2].ends_with(','), "{table}");
+    // Where all laws have to run, it is said once.
+    let strict = vesper([&words[..], &["--strict", "--json"]].concat());
+    let fault = strict.json()["runs"][0]["error"].as_str().unwrap().to_owned();
+    assert!(strict.status == 3 && fault.matches("returned 5").count() == 1, "{fault}");
 }

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::common::{Done, Scratch, done, vesper};
 
-const SPRING: &str = r#"title = "two masses on a spring"
+pub const SPRING: &str = r#"title = "two masses on a spring"
 [engine]
 step = 0.01
 end = 2.0
@@ -27,12 +27,12 @@ name = "spring"
 "#;
 
 /// `vesper sweep` with these words, split at blanks.
-fn sweep(words: &str, more: &[&str]) -> Done {
+pub fn sweep(words: &str, more: &[&str]) -> Done {
     vesper(["sweep"].into_iter().chain(words.split_whitespace()).chain(more.iter().copied()))
 }
 
 /// The same, which must be done without a word of complaint.
-fn swept(words: &str, more: &[&str]) -> String {
+pub fn swept(words: &str, more: &[&str]) -> String {
     done(["sweep"].into_iter().chain(words.split_whitespace()).chain(more.iter().copied())).stdout
 }
 
@@ -53,7 +53,7 @@ fn contents(folder: &Path) -> BTreeMap<String, String> {
 }
 
 /// The table, without its head.
-fn rows(folder: &Scratch, name: &str) -> Vec<Vec<String>> {
+pub fn rows(folder: &Scratch, name: &str) -> Vec<Vec<String>> {
     folder.read(name).lines().skip(1).map(|line| line.split(',').map(str::to_owned).collect()).collect()
 }
 
@@ -365,12 +365,66 @@ fn runs_that_cannot_be_kept_are_told() {
     let folder = Scratch::new("sweep-full");
     let (scene, out) = (folder.write("spring.toml", SPRING), folder.file("out"));
     swept("--vary engine.step=[0.01,0.02]", &[&scene, "--out", &out]);
-    // A file in the place of the folder of runs.
+    // Where no file can be put.
     std::fs::remove_dir_all(folder.0.join("out/runs")).unwrap();
-    folder.write("out/runs", "");
+    std::os::unix::fs::symlink("/proc", folder.0.join("out/runs")).unwrap();
     let told = sweep("--vary engine.step=[0.01,0.02]", &[&scene, "--out", &out]);
     assert!(told.status == 3 && told.stderr.starts_with("error: cannot write `"), "{}", told.stderr);
     assert!(told.stderr.contains("out/runs/00000"), "{}", told.stderr);
+}
+
+#[test]
+fn a_run_that_takes_longer_than_its_limit_is_given_up() {
+    let folder = Scratch::new("sweep-limit");
+    let (scene, out) = (folder.write("spring.toml", SPRING), folder.file("out"));
+    let words = "--vary engine.end=[0.5,1e9,1] --jobs 1 --limit 0.2";
+    let told = sweep(words, &[&scene, "--out", &out]);
+    assert!(told.status == 3 && told.stderr == "1 of 3 runs failed\n", "{}", told.stderr);
+    let table = rows(&folder, "out/table.csv");
+    assert_eq!([0, 1, 2].map(|run| table[run][2].as_str()), ["done", "failed", "done"]);
+    assert_eq!(table[1].last().map(String::as_str), Some("given up after 0.2 s"));
+    assert!(table[1][4].parse::<u64>().unwrap() > 0, "how far it came: {table:?}");
+    // It is done with, and the others know no limit.
+    assert_eq!(sweep("--vary engine.end=[0.5,1e9,1]", &[&scene, "--out", &out]).status, 3);
+    // Also in the middle of a frame.
+    let words = "--vary engine.step=[1e7,2e7] --end 2e7 --integrator dormand_prince_8 --limit 0.2 --json";
+    let told = sweep(words, &[&scene]).json();
+    assert_eq!(told["runs"][0]["error"], "given up after 0.2 s", "{told}");
+    for limit in ["0", "-1", "soon"] {
+        let told = sweep("--vary engine.step=[1,2] --limit", &[limit, &scene]);
+        assert!(told.status == 2 && told.stderr.contains("expected a number above 0"), "{}", told.stderr);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn without_a_folder_an_interrupted_sweep_tells_what_is_done() {
+    use std::process::{Command, Stdio};
+    let folder = Scratch::new("sweep-told");
+    let scene = folder.write("spring.toml", &SPRING.replace("end = 2.0", "end = 4e2"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vesper"));
+    command.args(["sweep", &scene, "--vary", "domains.springs.stiffness.0=1:100:5000", "--jobs", "1"]);
+    let told = |more: &[&str]| {
+        let run = command.args(more).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(1500));
+        assert!(Command::new("kill").args(["-INT", &run.id().to_string()]).status().unwrap().success());
+        let ended = run.wait_with_output().unwrap();
+        assert_eq!(ended.status.code(), Some(130));
+        let told = String::from_utf8(ended.stderr).unwrap();
+        let done: usize = told.split_whitespace().nth(1).unwrap().parse().unwrap();
+        assert!(told.starts_with("interrupted; ") && told.contains("of 5000 runs are done; with --out DIR"), "{told}");
+        assert!((1..5000).contains(&done), "{told}");
+        (done, String::from_utf8(ended.stdout).unwrap())
+    };
+    let mut told = told;
+    let (done, table) = told(&[]);
+    assert!(table.starts_with("two masses on a spring\nrun"), "{table}");
+    let lines = table.lines().count() - 2;
+    assert!(lines == done || lines == 201 && table.ends_with(&format!("and {} more\n", done - 200)), "{done}: {table}");
+    let (done, object) = told(&["--json"]);
+    let object: Value = serde_json::from_str(&object).unwrap();
+    assert_eq!(object["runs"].as_array().map(Vec::len), Some(done));
+    assert_eq!(object["missing"].as_array().map(Vec::len), Some(5000 - done));
 }
 
 #[test]
@@ -380,7 +434,14 @@ fn the_help_has_an_example_of_each_form() {
         help.contains("Threads of each run [default: 1]") && !help.contains("all cores]\n      --strict"),
         "{help}"
     );
-    for words in ["FIRST:LAST:COUNT:log", "[V,V,..]", "$SLURM_ARRAY_TASK_ID/16", "--collect", "bodies.position[0].x"] {
+    for words in [
+        "--limit <S>",
+        "FIRST:LAST:COUNT:log",
+        "[V,V,..]",
+        "$SLURM_ARRAY_TASK_ID/16",
+        "--collect",
+        "bodies.position[0].x",
+    ] {
         assert!(help.contains(words), "{words}: {help}");
     }
 }
