@@ -11,6 +11,8 @@ mod far;
 mod foreign;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+#[cfg(feature = "modules")]
+mod lent;
 mod link;
 mod near;
 mod pair;
@@ -30,6 +32,8 @@ pub(crate) use column::ColumnKernel;
 pub(crate) use dynamic::by_differences;
 pub(crate) use far::{Accuracy, Effort, Far, Parts, pays as far_pays};
 pub(crate) use foreign::Foreign;
+#[cfg(feature = "modules")]
+pub(crate) use lent::{Lent, LentRows, lent_rows};
 pub(crate) use link::{LinkCall, LinkKernel, Links, Strided};
 pub(crate) use near::{Lists, Reach as ListReach, Unfit};
 pub(crate) use pair::{

@@ -110,6 +110,9 @@ pub(crate) trait RowKernel<P>: Send + Sync {
     /// # Safety
     /// As for `run`.
     unsafe fn energy(&self, call: &RowCall<'_, P>) -> Option<f64>;
+    /// What a host that was compiled apart calls for this kernel.
+    #[cfg(feature = "modules")]
+    fn lent(&self) -> super::LentRows;
     /// The body, recorded, where those components are there whose bits are set; none of a body that is not generic in its numbers.
     #[cfg(feature = "gpu")]
     fn trace(&self, there: u64) -> Option<Trace>;
@@ -199,6 +202,11 @@ impl<P: Scalar, F: RowFamily> RowKernel<P> for F {
             law.energy(<F::Kernel<P> as Declared<P>>::load(&source)).to_f64()
         });
         Some(energy.sum())
+    }
+
+    #[cfg(feature = "modules")]
+    fn lent(&self) -> super::LentRows {
+        super::lent_rows::<P, F>
     }
 
     #[cfg(feature = "gpu")]

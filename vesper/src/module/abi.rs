@@ -139,9 +139,11 @@ pub struct Law {
     pub save: Option<unsafe extern "C" fn(*mut c_void, *mut c_void) -> i32>,
     /// Reads it.
     pub load: Option<unsafe extern "C" fn(*mut c_void, *const c_void) -> i32>,
-    /// Of laws of rows that say [`Law::native`], computes a call as the framework's own loops have it, in numbers of this precision and
+    /// Of laws of rows that say [`Law::native`], computes a call as the framework's own loops have it, in numbers of single precision and
     /// in these instructions (see [`Native::isa`]); null for others.
-    pub native_rows: Option<unsafe extern "C" fn(*mut c_void, *const c_void, u32, u32) -> i32>,
+    pub native_rows_f32: Option<unsafe extern "C" fn(*mut c_void, *const c_void, u32) -> i32>,
+    /// The same in double precision.
+    pub native_rows_f64: Option<unsafe extern "C" fn(*mut c_void, *const c_void, u32) -> i32>,
 }
 
 /// What a law may ask of its host. It lives as long as the law.

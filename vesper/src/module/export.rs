@@ -4,10 +4,10 @@
 //! host.
 
 use super::abi;
-use crate::backend::{Compile, Compiled, Kernel, LinkCall, Links, PairCall, RowCall, Strided};
+use crate::backend::{Compile, Compiled, Kernel, Lent, LentRows, LinkCall, Links, PairCall, RowCall, Strided};
 use crate::law::{ColumnAccess, Law, MAX_SLOTS, Mode, Part, Place, Port, PortView};
 use crate::property::Role;
-use crate::real::{Isa, Scalar};
+use crate::real::Scalar;
 use core::any::Any;
 use core::ffi::{c_char, c_void};
 use core::sync::atomic::{AtomicPtr, Ordering};
@@ -158,7 +158,8 @@ pub fn exported<L: Law + Compile>() -> abi::Law {
         state_size: 0,
         save: None,
         load: None,
-        native_rows: (shape == 1).then_some(native_rows as unsafe extern "C" fn(_, _, _, _) -> _),
+        native_rows_f32: lent(&L::from_parameters(&[]).compile_f32()),
+        native_rows_f64: lent(&compiled),
     }
 }
 
@@ -202,14 +203,31 @@ fn port(of: &Port) -> abi::Port {
 }
 
 /// A law that a host made.
+#[repr(C)]
 struct Made {
+    /// What the host looks at itself: it comes first.
+    lent: Lent,
     single: Compiled<f32>,
     double: Compiled<f64>,
     /// Numbers that it touches.
     slots: usize,
-    /// By their numbers.
-    instructions: Vec<Isa>,
     host: Host,
+}
+
+/// The kernel of a law of rows; null for another.
+fn rows_of<P: Scalar>(compiled: &Compiled<P>) -> *const c_void {
+    if let Kernel::Row(kernel) = &compiled.kernel { Arc::as_ptr(kernel).cast() } else { core::ptr::null() }
+}
+
+/// What a host calls for a law of rows.
+fn lent<P: Scalar>(compiled: &Compiled<P>) -> Option<LentRows> {
+    if let Kernel::Row(kernel) = &compiled.kernel { Some(kernel.lent()) } else { None }
+}
+
+/// A kernel of rows panicked.
+fn rows_panicked(lent: &Lent, panic: &(dyn Any + Send)) -> i32 {
+    // SAFETY: a host has it as the beginning of what `create` made.
+    panicked(unsafe { (*core::ptr::from_ref(lent).cast::<Made>()).host }, panic)
 }
 
 /// Whom to tell.
@@ -292,17 +310,18 @@ unsafe extern "C" fn create<L: Law + Compile>(
         let given = if count == 0 { &[] } else { unsafe { core::slice::from_raw_parts(parameters, count) } };
         let law = L::from_parameters(given);
         let slots = L::SIGNATURE.ports.iter().map(|port| port.property.kind.width()).sum();
-        let (single, double, instructions) = (law.compile_f32(), law.compile_f64(), Isa::available());
-        let made = Made { single, double, slots, instructions, host: Host(host) };
+        let (single, double) = (law.compile_f32(), law.compile_f64());
+        let lent = Lent::new([rows_of(&single), rows_of(&double)], rows_panicked);
+        let made = Made { lent, single, double, slots, host: Host(host) };
         // SAFETY: the host has a place for it.
-        unsafe { *to = Arc::into_raw(Arc::new(made)).cast_mut().cast() };
+        unsafe { *to = Box::into_raw(Box::new(made)).cast() };
         Ok(())
     })
 }
 
 unsafe extern "C" fn destroy(this: *mut c_void) {
     // SAFETY: `create` made it, and the host has no other.
-    let made = unsafe { Arc::from_raw(this.cast_const().cast::<Made>()) };
+    let made = unsafe { Box::from_raw(this.cast::<Made>()) };
     _ = contained(made.host, || {
         drop(made);
         Ok(())
@@ -329,21 +348,6 @@ unsafe extern "C" fn apply(this: *mut c_void, call: *const abi::Call) -> i32 {
         }
         Err(panic) => panicked(made.host, &*panic),
     }
-}
-
-unsafe extern "C" fn native_rows(this: *mut c_void, call: *const c_void, isa: u32, precision: u32) -> i32 {
-    // SAFETY: `create` made it.
-    let made = unsafe { &*this.cast_const().cast::<Made>() };
-    let isa = made.instructions.get(isa as usize).copied().unwrap_or(Isa::Scalar);
-    // SAFETY: the host gives a call of rows in this precision.
-    let went = catch_unwind(AssertUnwindSafe(|| unsafe {
-        match (precision, &made.single.kernel, &made.double.kernel) {
-            (abi::F32, Kernel::Row(kernel), _) => kernel.run(isa, &*call.cast::<RowCall<'_, f32>>()),
-            (abi::F64, _, Kernel::Row(kernel)) => kernel.run(isa, &*call.cast::<RowCall<'_, f64>>()),
-            _ => {}
-        }
-    }));
-    went.map_or_else(|panic| panicked(made.host, &*panic), |()| 0)
 }
 
 unsafe extern "C" fn energy(this: *mut c_void, call: *const abi::Call, to: *mut f64) -> i32 {
@@ -447,9 +451,7 @@ unsafe fn run<P: Scalar>(compiled: &Compiled<P>, made: &Made, call: &abi::Call) 
     // SAFETY: passed on to the caller.
     unsafe {
         let taken = Taken::new(made, call);
-        let known = taken.native.and_then(|native| made.instructions.get(native.isa as usize));
-        // Whoever says nothing of instructions promises no room behind the last row either.
-        let isa = known.copied().unwrap_or(Isa::Scalar);
+        let isa = made.lent.isa(taken.native.map_or(0, |native| native.isa));
         match &compiled.kernel {
             Kernel::Row(kernel) => row_call(&taken, call, |call| kernel.run(isa, call)),
             Kernel::Pair(kernel) => kernel.run(isa, &pair_call(&taken, call)),

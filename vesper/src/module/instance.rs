@@ -5,8 +5,9 @@
 
 use super::abi;
 use super::declared::Declared;
+use super::numbers::precision;
 use super::trial;
-use crate::backend::Foreign;
+use crate::backend::{Foreign, LentRows, RowCall};
 use crate::law::{Place, Port};
 use crate::real::Isa;
 use core::cell::RefCell;
@@ -24,9 +25,6 @@ pub(super) struct Slot {
 
 /// What computes.
 type Apply = unsafe extern "C" fn(*mut c_void, *const abi::Call) -> i32;
-
-/// What computes rows as the framework's own loops do.
-pub(super) type NativeRows = unsafe extern "C" fn(*mut c_void, *const c_void, u32, u32) -> i32;
 
 /// A table without one is refused.
 unsafe extern "C" fn no_apply(_this: *mut c_void, _call: *const abi::Call) -> i32 {
@@ -171,21 +169,27 @@ impl Instance {
     }
 
     /// What computes rows as the framework's own loops do, of a law that was made by [`export_laws!`](crate::export_laws).
-    pub(super) fn native_rows(&self) -> Option<NativeRows> {
-        self.declared.table.native_rows.filter(|_| self.declared.table.native == abi::NATIVE)
+    pub(super) fn native_rows<P>(&self) -> Option<LentRows> {
+        let table = &self.declared.table;
+        let rows = match precision::<P>() {
+            abi::F32 => table.native_rows_f32,
+            abi::F64 => table.native_rows_f64,
+            _ => None,
+        };
+        rows.filter(|_| table.native == abi::NATIVE)
     }
 
     /// Calls the law with rows as the framework's own loops have them; whether it did what it should.
     ///
     /// # Safety
-    /// As for `call`; `rows` is the law's, and `call` a call of rows in this precision.
-    #[inline]
-    pub(super) unsafe fn call_rows(&self, rows: NativeRows, call: *const c_void, isa: Isa, precision: u32) -> bool {
+    /// As for `call`; `rows` is the law's in the precision of `call`.
+    #[inline(always)]
+    pub(super) unsafe fn call_rows<P>(&self, rows: LentRows, call: &RowCall<'_, P>, isa: Isa) -> bool {
         if self.has_failed() {
             return false;
         }
         // SAFETY: passed on to the caller; such laws have no memory, so that they need no turns.
-        let status = unsafe { rows(self.this, call, isa.number(), precision) };
+        let status = unsafe { rows(self.this, (&raw const *call).cast(), isa.number()) };
         if status != 0 {
             self.fail("apply", status);
         }

@@ -7,6 +7,7 @@ use super::column::Columns;
 use super::declared::{Declared, copied, declared};
 use super::instance::Instance;
 use super::link::LinkLaws;
+use super::native::NativeRows;
 use super::pair::Pairs;
 use super::row::Rows;
 use crate::backend::{Compile, Compiled, Kernel};
@@ -347,7 +348,10 @@ impl ModuleLaw {
         // SAFETY: whoever opened the module promised this.
         let instance = Arc::new(unsafe { Instance::new(self.declared, &self.parameters) });
         let kernel = match shape {
-            Shape::Row => Kernel::Row(Arc::new(Rows::new::<P>(instance.clone()))),
+            Shape::Row => match NativeRows::new::<P>(&instance) {
+                Some(rows) => Kernel::Row(Arc::new(rows)),
+                None => Kernel::Row(Arc::new(Rows::new::<P>(instance.clone()))),
+            },
             Shape::Pair => Kernel::Pair(Arc::new(Pairs(instance.clone()))),
             Shape::Link => Kernel::Link(Box::new(LinkLaws(instance.clone()))),
             Shape::Column => Kernel::Column(Box::new(Columns(instance.clone()))),

@@ -26,6 +26,7 @@ mod export;
 mod instance;
 mod link;
 mod load;
+mod native;
 mod numbers;
 mod pair;
 mod row;

@@ -4,9 +4,9 @@
 //! rates, and takes numbers of the engine's precision, pointers are passed on; elsewhere rows go over a desk. Never: a body.
 
 use super::abi;
-use super::instance::{Instance, NativeRows, Slot};
+use super::instance::{Instance, Slot};
 use super::numbers::{Numbers, no_call, numbers, precision, rounding};
-use crate::backend::{RowCall, RowKernel, TangentCall, by_differences};
+use crate::backend::{LentRows, RowCall, RowKernel, TangentCall, by_differences, lent_rows};
 use crate::law::{MAX_SLOTS, Mode, Part, Place};
 use crate::property::Role;
 use crate::real::{Isa, Scalar};
@@ -18,10 +18,8 @@ use std::sync::Arc;
 const DESK: usize = 128;
 
 /// How a law is called by an engine of one precision.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 enum Way {
-    /// As the framework's own loops are.
-    Native(NativeRows),
     /// With the pointers as they are: there are no rates, fields or turns, which not every call has places for.
     Plain,
     /// With what lies on a desk.
@@ -68,7 +66,6 @@ impl Rows {
             slot.port.mode != Mode::Rates && slot.port.place != Place::Field && !turns
         };
         let way = match numbers::<P>(&law) {
-            Numbers::Own if let Some(rows) = law.native_rows() => Way::Native(rows),
             Numbers::Own if law.slots.iter().all(of_all) => Way::Plain,
             numbers => Way::Desk(numbers),
         };
@@ -257,25 +254,22 @@ impl<P: Scalar> RowKernel<P> for Rows {
         self.law.declared.table.state_size == 0
     }
 
-    #[inline]
-    unsafe fn run(&self, isa: Isa, call: &RowCall<'_, P>) {
-        match self.way {
-            // SAFETY: the caller promises the slots, and nobody else touches their rows.
-            Way::Native(rows)
-                if unsafe { self.law.call_rows(rows, (&raw const *call).cast(), isa, precision::<P>()) } => {}
-            Way::Plain => {
-                let (slots, strides) = (call.slots.as_ptr().cast(), self.law.strides.as_ptr());
-                let plain = abi::Call { precision: precision::<P>(), end: call.rows, slots, strides, ..no_call() };
-                // SAFETY: as above.
-                unsafe {
-                    if call.first {
-                        self.nothing(call);
-                    }
-                    self.law.call(&plain);
-                }
+    fn lent(&self) -> LentRows {
+        lent_rows::<P, Self>
+    }
+
+    unsafe fn run(&self, _isa: Isa, call: &RowCall<'_, P>) {
+        if self.way != Way::Plain {
+            return in_numbers!(self, over_desk, call);
+        }
+        let (slots, strides) = (call.slots.as_ptr().cast(), self.law.strides.as_ptr());
+        let plain = abi::Call { precision: precision::<P>(), end: call.rows, slots, strides, ..no_call() };
+        // SAFETY: the caller promises the slots, and nobody else touches their rows.
+        unsafe {
+            if call.first {
+                self.nothing(call);
             }
-            // What a law that failed leaves is nothing.
-            Way::Native(_) | Way::Desk(_) => in_numbers!(self, over_desk, call),
+            self.law.call(&plain);
         }
     }
 

@@ -68,7 +68,8 @@ fn c_and_rust_have_the_same_structures() {
                 state_size,
                 save,
                 load,
-                native_rows
+                native_rows_f32,
+                native_rows_f64
             ]
         ),
         structure!(Host, "vesper_host", [struct_size, abi, context, log]),
