@@ -324,8 +324,9 @@ impl Reader {
         };
         if size.dimension != dimension {
             let text = format!(
-                "{law}: {name} is in {text}, but its exponents `si` (of m, kg, s, A, K, mol, cd) say {}",
-                said(dimension)
+                "{law}: {name} is in {text}, but its exponents `si` (of m, kg, s, A, K, mol, cd) say {}: for {text} they are {:?}",
+                said(dimension),
+                size.dimension.exponents()
             );
             self.fault(text);
             return None;

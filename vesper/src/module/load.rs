@@ -188,6 +188,7 @@ impl Module {
             let names = || self.signatures().map(|law| law.name);
             let mut reason = match nearest(name, names()) {
                 Some(near) => format!("it has no law {name}; did you mean {near}?"),
+                None if names().next().is_none() => format!("it has no law {name}, and no other that can be used"),
                 None => format!("it has no law {name}; there are: {}", names().collect::<Vec<_>>().join(", ")),
             };
             for refused in &self.refused {
@@ -325,6 +326,7 @@ impl ModuleLaw {
         let names = || self.declared.signature.parameters.iter().map(|known| known.name);
         Err(wrong(match nearest(parameter, names()) {
             Some(near) => format!("it has no parameter {parameter}; did you mean {near}?"),
+            None if names().next().is_none() => format!("it has no parameter {parameter}, nor any other"),
             None => format!("it has no parameter {parameter}; there are: {}", names().collect::<Vec<_>>().join(", ")),
         }))
     }
