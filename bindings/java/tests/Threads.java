@@ -1,5 +1,7 @@
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.atomic.AtomicInteger;
+import java.util.concurrent.atomic.AtomicReference;
+import vesper.Builder;
 import vesper.Engine;
 import vesper.VesperException;
 import vesper.VesperException.Kind;
@@ -29,21 +31,75 @@ final class Threads {
         }
     }
 
+    /** Threads that begin at one time; what one of them throws is thrown here. */
+    private static void together(int count, Runnable call) throws InterruptedException {
+        AtomicReference<Throwable> failed = new AtomicReference<>();
+        CountDownLatch start = new CountDownLatch(1);
+        Thread[] threads = new Thread[count];
+        for (int number = 0; number < count; number++) {
+            threads[number] = new Thread(() -> {
+                try {
+                    start.await();
+                    call.run();
+                } catch (Throwable thrown) {
+                    failed.compareAndSet(null, thrown);
+                }
+            });
+            threads[number].start();
+        }
+        start.countDown();
+        for (Thread thread : threads) {
+            thread.join();
+        }
+        if (failed.get() != null) {
+            throw new AssertionError("a thread failed", failed.get());
+        }
+    }
+
+    /** What a thread of a test finds wrong fails the test. */
+    private static void isHeard() throws InterruptedException {
+        try {
+            together(2, () -> Check.that(false, "said in a thread"));
+        } catch (AssertionError heard) {
+            Check.same(heard.getCause().getMessage(), "said in a thread");
+            return;
+        }
+        throw new AssertionError("a thread failed, and nobody heard it");
+    }
+
+    /** Of threads that build with one builder at one time one gets the engine, and the others are told. */
+    private static void oneBuilds() throws InterruptedException {
+        for (int round = 0; round < 200; round++) {
+            Builder builder = Engine.builder().domain("bodies", 1).column("bodies", "position", 0, 0, 0)
+                    .column("bodies", "velocity", 1, 0, 0).column("bodies", "mass", 1).law("motion");
+            AtomicInteger built = new AtomicInteger();
+            together(3, () -> {
+                try (Engine engine = builder.build()) {
+                    engine.step(1, 1);
+                    built.incrementAndGet();
+                } catch (VesperException exception) {
+                    Check.same(exception.kind(), Kind.CLOSED);
+                }
+            });
+            Check.same(built.get(), 1);
+        }
+    }
+
     private static void inTurns() throws InterruptedException {
         Engine engine = one();
         String theirs = "this engine belongs to thread main: call letGo() there first";
         on("other", () -> {
-            Check.same(Check.refused(Kind.THREAD, () -> engine.step(1)), theirs);
+            Check.same(Check.refused(Kind.THREAD, () -> engine.step(1, 1)), theirs);
             Check.same(Check.refused(Kind.THREAD, engine::close), theirs);
             Check.same(Check.refused(Kind.THREAD, engine::letGo), theirs);
         });
         engine.letGo();
-        on("other", () -> engine.step(1));
-        engine.step(1); // The other one has ended.
+        on("other", () -> engine.step(1, 1));
+        engine.step(1, 1); // The other one has ended.
         Check.same(engine.get("bodies", "position")[0], 2.0);
         engine.letGo();
         on("other", engine::close);
-        Check.refused(Kind.CLOSED, () -> engine.step(1));
+        Check.refused(Kind.CLOSED, () -> engine.step(1, 1));
     }
 
     /** Many threads at one engine, which let go of it and close it: each step is one thread's, and none is lost. */
@@ -52,39 +108,27 @@ final class Threads {
             Engine engine = one();
             engine.letGo();
             AtomicInteger steps = new AtomicInteger();
-            CountDownLatch start = new CountDownLatch(1);
-            Thread[] threads = new Thread[4];
-            for (int number = 0; number < threads.length; number++) {
-                threads[number] = new Thread(() -> {
+            together(4, () -> {
+                for (int turn = 0; turn < 2000; turn++) {
                     try {
-                        start.await();
-                    } catch (InterruptedException impossible) {
-                        return;
+                        engine.step(1, 1);
+                        steps.incrementAndGet();
+                        engine.letGo();
+                    } catch (VesperException exception) {
+                        Check.same(exception.kind(), Kind.THREAD);
                     }
-                    for (int turn = 0; turn < 2000; turn++) {
-                        try {
-                            engine.step(1);
-                            steps.incrementAndGet();
-                            engine.letGo();
-                        } catch (VesperException exception) {
-                            Check.same(exception.kind(), Kind.THREAD);
-                        }
-                    }
-                });
-                threads[number].start();
-            }
-            start.countDown();
-            for (Thread thread : threads) {
-                thread.join();
-            }
+                }
+            });
             Check.same(engine.steps(), (long) steps.get());
             engine.close();
         }
     }
 
     public static void main(String[] arguments) throws InterruptedException {
+        isHeard();
         inTurns();
         allAtOnce();
+        oneBuilds();
         Check.done("threads");
     }
 }
