@@ -1,3 +1,4 @@
+import java.util.Arrays;
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.atomic.AtomicReference;
@@ -67,22 +68,28 @@ final class Threads {
         throw new AssertionError("a thread failed, and nobody heard it");
     }
 
-    /** Of threads that build with one builder at one time one gets the engine, and the others are told. */
+    /** Of two threads that build with one builder at one time one gets the engine, and the other is told. */
     private static void oneBuilds() throws InterruptedException {
-        for (int round = 0; round < 200; round++) {
-            Builder builder = Engine.builder().domain("bodies", 1).column("bodies", "position", 0, 0, 0)
-                    .column("bodies", "velocity", 1, 0, 0).column("bodies", "mass", 1).law("motion");
-            AtomicInteger built = new AtomicInteger();
-            together(3, () -> {
-                try (Engine engine = builder.build()) {
-                    engine.step(1, 1);
+        int rounds = 5_000;
+        Builder[] builders = new Builder[rounds];
+        Arrays.setAll(builders, round -> Engine.builder());
+        AtomicInteger arrived = new AtomicInteger();
+        AtomicInteger built = new AtomicInteger();
+        together(2, () -> {
+            for (int round = 0; round < rounds; round++) {
+                arrived.incrementAndGet();
+                while (arrived.get() < 2 * (round + 1)) { // As near to each other as can be.
+                    Thread.onSpinWait();
+                }
+                try (Engine engine = builders[round].build()) {
                     built.incrementAndGet();
                 } catch (VesperException exception) {
+                    arrived.addAndGet(exception.kind() == Kind.CLOSED ? 0 : 2 * rounds); // Nobody waits for who fails.
                     Check.same(exception.kind(), Kind.CLOSED);
                 }
-            });
-            Check.same(built.get(), 1);
-        }
+            }
+        });
+        Check.same(built.get(), rounds);
     }
 
     private static void inTurns() throws InterruptedException {
