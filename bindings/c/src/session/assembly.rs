@@ -259,9 +259,10 @@ impl Session {
         either!(self, run => run.steps())
     }
 
-    /// The step that [`Session::advance`] divides a frame into, in s; none where each frame is one step.
+    /// The step that [`Session::advance`] divides a frame into, in s; none where each frame is one step, as with integrators that choose
+    /// their own.
     pub fn fixed_step(&self) -> Option<f64> {
-        either!(self, run => run.settings.step)
+        either!(self, run => run.fixed_step())
     }
 
     /// The property whose columns are measured from an origin that moves with them: what [`Session::get`] and [`Session::set`] put

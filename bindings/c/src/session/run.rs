@@ -32,7 +32,7 @@ pub struct Run<P: Precision> {
 /// What was asked for when an engine was built, which it does not say itself.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Settings {
-    /// The step that a frame is divided into, in s; none where each frame is one step.
+    /// The step, in s.
     pub(super) step: Option<f64>,
     /// The property that is measured from an origin which moves.
     pub(super) moving: Option<&'static str>,
@@ -88,6 +88,11 @@ impl<P: Precision> Run<P> {
 
     pub(super) fn is_settled(&self) -> bool {
         self.engine.is_settled()
+    }
+
+    pub(super) fn fixed_step(&self) -> Option<f64> {
+        // What is adaptive begins with it, and takes each frame as one step.
+        self.settings.step.filter(|_| !self.engine.integrator().is_adaptive())
     }
 
     pub(super) fn trace_blow_ups(&mut self, on: bool) {
