@@ -39,7 +39,7 @@ fn described<'local, A>(
 pub fn native_begin<'local>(mut env: EnvUnowned<'local>, _builder: JObject<'local>, single: jboolean) -> jlong {
     let precision = if single { NumberType::F32 } else { NumberType::F64 };
     let assembly = Assembly::new(precision).map_err(Failure::Trouble);
-    told(&mut env, assembly.map(|assembly| Held::handle(assembly)))
+    told(&mut env, assembly.map(Held::handle))
 }
 
 /// Keeps a fault that Java found.
@@ -142,6 +142,18 @@ pub fn native_link<'local>(
     });
 }
 
+/// A folder with modules of laws.
+#[jni_mangle("vesper.Builder")]
+pub fn native_laws_from<'local>(
+    mut env: EnvUnowned<'local>,
+    _builder: JObject<'local>,
+    handle: jlong,
+    folder: JString<'local>,
+) {
+    let read = |env: &mut Env<'local>| text(env, &folder, "the folder");
+    described(&mut env, handle, read, |assembly, folder| assembly.laws_from(Path::new(&folder)));
+}
+
 /// A law.
 #[jni_mangle("vesper.Builder")]
 pub fn native_law<'local>(
@@ -188,7 +200,7 @@ pub fn native_build<'local>(mut env: EnvUnowned<'local>, _builder: JObject<'loca
     // SAFETY: as in `described`; Java forgets the handle before it calls.
     let assembly = unsafe { HeldAssembly::take(handle) };
     let session = caught(|| assembly.build().map_err(Failure::Trouble)).and_then(|session| session);
-    told(&mut env, session.map(|session| Held::handle(session)))
+    told(&mut env, session.map(Held::handle))
 }
 
 /// Forgets what was not built.

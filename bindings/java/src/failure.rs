@@ -8,7 +8,7 @@ use jni::objects::{JThrowable, JValue};
 use jni::{Env, EnvUnowned, jni_sig, jni_str};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use vesper_c::session::Trouble;
+use vesper_c::session::{Trouble, panicked};
 
 /// Why a call failed.
 #[derive(Debug)]
@@ -55,15 +55,7 @@ pub(crate) fn argument<T>(text: impl Into<String>) -> Result<T, Failure> {
 #[inline]
 pub(crate) fn caught<T>(call: impl FnOnce() -> T) -> Result<T, Failure> {
     // What a panic may leave half done is not used again: the engine can only be closed then.
-    catch_unwind(AssertUnwindSafe(call)).map_err(|payload| panicked(&*payload))
-}
-
-/// A panic, in the words of whoever panicked.
-#[cold]
-fn panicked(payload: &(dyn Any + Send)) -> Failure {
-    let said = payload.downcast_ref::<&str>().copied();
-    let said = said.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("without a word");
-    Failure::Panic(format!("a mistake inside of vesper, or of a law: panicked: {said}"))
+    catch_unwind(AssertUnwindSafe(call)).map_err(|payload| Failure::Panic(panicked(&*payload)))
 }
 
 /// Throws `vesper.VesperException` for what failed, and gives Java a zero, which it does not look at.
@@ -96,7 +88,7 @@ impl<T: Default> ErrorPolicy<T, Failure> for Thrown {
         captures: &mut Self::Captures<'local, 'method>,
         payload: Box<dyn Any + Send + 'static>,
     ) -> jni::errors::Result<T> {
-        Self::on_error(env, captures, panicked(&*payload))
+        Self::on_error(env, captures, Failure::Panic(panicked(&*payload)))
     }
 }
 

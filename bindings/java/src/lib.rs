@@ -1,6 +1,6 @@
 //! The native half of the Java interface: what `vesper.Engine` and `vesper.Builder` in `../java` call.
 //!
-//! In: calls from these two classes, with texts, arrays and direct buffers. Out: numbers, and every fault as a
+//! In: calls from these two classes and from `vesper.Library`, with texts, arrays and direct buffers. Out: numbers, and every fault as a
 //! `vesper.VesperException` with its whole text. Never: physics; a panic that goes on into Java; a number of a lent buffer
 //! that is copied.
 //!
@@ -13,3 +13,4 @@ mod builder;
 mod engine;
 mod failure;
 mod held;
+mod library;

@@ -6,6 +6,8 @@ import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Random;
+import java.util.logging.Level;
+import java.util.logging.Logger;
 import vesper.Builder;
 import vesper.Engine;
 import vesper.Precision;
@@ -135,7 +137,8 @@ final class Chance {
 
     private void onBuilder() {
         Builder builder = builder();
-        switch (chance.nextInt(16)) {
+        switch (chance.nextInt(17)) {
+            case 16 -> builder.lawsFrom(chance.nextBoolean() ? Path.of(".") : null);
             case 0 -> builder.domain(word(), chance.nextInt(10) == 0 ? chance.nextLong() : chance.nextInt(4));
             case 1 -> builder.column(word(), word(), numbers());
             case 2 -> builder.column(word(), word(), new float[count()]);
@@ -175,7 +178,7 @@ final class Chance {
             case 15 -> engine.explain();
             case 16 -> engine.letGo();
             case 17 -> engine.close();
-            case 18 -> engine.step(1e-3);
+            case 18 -> engine.step(1, 1e-3);
             default -> engine.time();
         }
     }
@@ -196,6 +199,9 @@ final class Chance {
     }
 
     public static void main(String[] arguments) {
+        // What is logged is made, and not printed.
+        Logger.getLogger("vesper").setUseParentHandlers(false);
+        Logger.getLogger("vesper").setLevel(Level.ALL);
         int calls = Integer.parseInt(arguments[0]);
         Chance chance = new Chance(Long.parseLong(arguments[1]));
         for (int call = 0; call < calls; call++) {

@@ -80,7 +80,7 @@ final class Faults {
         all.put("domain", "bodies");
         Builder builder = one().law("gravity", all).integrator("dormand_prince_8", Map.of("rtol", 1e-10)).threads(1);
         try (Engine engine = builder.observe("bodies", "force").build()) {
-            engine.step(1);
+            engine.step(1, 1);
             Check.that(engine.report().contains("a \"pull\"\n is active"), engine.report());
             Check.that(!engine.explain().isBlank() && engine.dot().startsWith("digraph"), engine.dot());
             Check.same(engine.get("bodies", "force").length, 3);
@@ -106,7 +106,7 @@ final class Faults {
             Check.refused(Kind.FAULT, () -> engine.get("more", "mass"));
             Check.refused(Kind.FAULT, () -> engine.addRows("more", 1, Map.of()));
             Check.refused(Kind.FAULT, () -> engine.addRows("bodies", Long.MAX_VALUE, Map.of()));
-            engine.step(1);
+            engine.step(1, 1);
         }
     }
 
@@ -126,13 +126,13 @@ final class Faults {
             Check.refused(Kind.FAULT, () -> engine.lent("bodies", null));
             Check.refused(Kind.ARGUMENT, () -> engine.links("bodies", "mass"));
             Check.same(Check.refused(Kind.ARGUMENT, () -> engine.step(-1, 1)), "-1 steps cannot be taken: give 0 or more");
-            Check.refused(Kind.RUN, () -> engine.step(Double.NaN));
+            Check.refused(Kind.RUN, () -> engine.step(1, Double.NaN));
             Check.refused(Kind.FAULT, () -> engine.enable("gravitas", true));
             Check.refused(Kind.FAULT, () -> engine.restore("{"));
             Check.refused(Kind.ARGUMENT, () -> engine.restore(null));
             // Nothing of it changed anything.
             Check.same(engine.steps(), 0L);
-            engine.step(1);
+            engine.step(1, 1);
             Check.same(engine.get("bodies", "position")[0], 1.0);
             engine.set("bodies", "velocity", 1e308, 0, 0);
             String text = Check.refused(Kind.RUN, () -> engine.step(10, 1));
@@ -140,7 +140,7 @@ final class Faults {
             engine.close();
             engine.close();
             Check.that(engine.isClosed(), "it is not closed");
-            Check.same(Check.refused(Kind.CLOSED, () -> engine.step(1)), "this engine is closed: build another one");
+            Check.same(Check.refused(Kind.CLOSED, () -> engine.step(1, 1)), "this engine is closed: build another one");
             Check.refused(Kind.CLOSED, engine::time);
             Check.refused(Kind.CLOSED, engine::letGo);
             Check.refused(Kind.CLOSED, () -> engine.lent("bodies", "mass"));

@@ -1,8 +1,11 @@
+import java.lang.ref.WeakReference;
 import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.nio.DoubleBuffer;
 import java.nio.FloatBuffer;
+import java.util.ArrayList;
 import java.util.Arrays;
+import java.util.List;
 import vesper.Builder;
 import vesper.Engine;
 import vesper.Precision;
@@ -67,6 +70,11 @@ final class Shared {
             // Copies, from the state and back.
             ByteBuffer other = direct(6 * Double.BYTES);
             Check.same(engine.get("bodies", "position", other).asDoubleBuffer().get(2), places.get(2));
+            // The whole buffer, wherever its marks are; they stay.
+            other.putDouble(0, 7).position(8).limit(16);
+            engine.get("bodies", "position", other);
+            Check.same(other.position() + other.limit(), 24);
+            Check.same(other.clear().getDouble(0), places.get(0));
             Check.refused(Kind.ARGUMENT, () -> engine.get("bodies", "velocity", position));
             Check.refused(Kind.FAULT, () -> engine.get("bodies", "position", direct(40)));
             Check.refused(Kind.ARGUMENT, () -> engine.get("bodies", "position", direct(41)));
@@ -85,7 +93,7 @@ final class Shared {
         Builder builder = falling(Precision.F32, 2).column("bodies", "velocity", new float[6]).lend("bodies", "position", position);
         try (Engine engine = builder.column("bodies", "mass", 1, 1).build()) {
             Check.same(engine.address("bodies", "position"), address(all) + 4);
-            engine.step(0.5);
+            engine.step(1, 0.5);
             Check.that(places.get(2) < 0, "no fall");
         }
     }
@@ -100,7 +108,7 @@ final class Shared {
         for (int round = 0; round < 5; round++) {
             System.gc();
             direct(2_400_000).putDouble(16, 1e9); // Where a buffer that was freed might lie.
-            engine.step(0.5);
+            engine.step(1, 0.5);
         }
         DoubleBuffer places = engine.lent("bodies", "position").asDoubleBuffer();
         Check.that(places.get(2) < 0 && places.get(2) == places.get(299_999), "the memory was somebody else's");
@@ -116,7 +124,7 @@ final class Shared {
             Builder once = falling(Precision.F64, 100_000).lend("bodies", "position", again);
             once.column("bodies", "velocity", new double[300_000]).column("bodies", "mass", ones(100_000));
             try (Engine next = once.build()) {
-                next.step(0.5);
+                next.step(1, 0.5);
                 return;
             } catch (VesperException notYet) {
                 Check.same(notYet.getMessage(), text);
@@ -125,10 +133,37 @@ final class Shared {
         throw new AssertionError("an engine that nobody has is not freed");
     }
 
+    /** Every buffer that was lent stays, also of a name that differs in a letter which Java's {@code trim} takes for a blank. */
+    private static void keptWhateverItsName() throws InterruptedException {
+        String[] names = {"age", "age\u0001", "age\u001f"};
+        List<WeakReference<ByteBuffer>> buffers = new ArrayList<>();
+        Builder builder = falling(Precision.F64, 2).column("bodies", "position", new double[6]);
+        builder.column("bodies", "velocity", new double[6]).column("bodies", "mass", 1, 1);
+        for (int number = 0; number < names.length; number++) {
+            ByteBuffer buffer = direct(2 * Double.BYTES).putDouble(0, number);
+            buffers.add(new WeakReference<>(buffer));
+            builder.lend("bodies", names[number], buffer);
+        }
+        try (Engine engine = builder.build()) {
+            builder = null;
+            for (int round = 0; round < 10; round++) {
+                System.gc();
+                Thread.sleep(5);
+            }
+            for (int number = 0; number < names.length; number++) {
+                Check.that(buffers.get(number).get() != null, "the buffer of name " + number + " was collected");
+                Check.same(engine.lent("bodies", names[number]).getDouble(0), (double) number);
+                Check.same(engine.lent("bodies", " \u00a0" + names[number] + " [1]").getDouble(0), (double) number);
+                Check.same(engine.address("bodies", names[number]), address(buffers.get(number).get()));
+            }
+        }
+    }
+
     public static void main(String[] arguments) throws InterruptedException {
         oneMemory();
         inSingle();
         kept();
+        keptWhateverItsName();
         Check.done("shared buffers");
     }
 }

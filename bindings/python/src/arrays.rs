@@ -1,14 +1,18 @@
 //! Arrays of numpy as numbers of a session, and back.
 //!
 //! In: arrays of any kind; views of columns. Out: slices, memory to lend, arrays that look into columns. Never: a conversion:
-//! what does not fit is refused, with the call of numpy that mends it.
+//! what does not fit is refused, with the call of numpy that mends it; numbers that change while they are read.
 
 use crate::failure::fault;
+use crate::lender;
 use numpy::ndarray::{ArrayView, IntoDimension, ShapeBuilder};
-use numpy::{Element, PyArray, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{
+    BorrowError, Element, PyArray, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray,
+    PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use std::ptr::NonNull;
-use vesper_c::session::{Memory, NumberType, Numbers, View};
+use vesper_c::session::{Memory, NumberType, Numbers, View, is_lent};
 
 /// An array whose numbers stand one behind the other, borrowed to be read.
 pub(crate) enum Given<'py> {
@@ -21,6 +25,8 @@ impl<'py> Given<'py> {
     /// The numbers of an array, which `what` is given by.
     pub(crate) fn new(what: &str, array: &Bound<'py, PyUntypedArray>) -> PyResult<Self> {
         contiguous(what, array)?;
+        // Of memory that an engine has, some may be the column that is written: numpy, too, copies what overlaps.
+        let array = &if shares(array) { array.call_method0("copy")?.cast_into()? } else { array.clone() };
         if let Ok(array) = array.cast::<PyArrayDyn<f64>>() {
             return Ok(Given::F64(read(what, array)?));
         }
@@ -43,6 +49,34 @@ impl<'py> Given<'py> {
             Given::Rows(array) => Numbers::Rows(array.as_slice()?),
         })
     }
+}
+
+/// Whether an engine has some of an array's memory.
+fn shares(array: &Bound<'_, PyUntypedArray>) -> bool {
+    let start = lender::start(array);
+    is_lent(&(start..start + array.len() * array.dtype().itemsize()))
+}
+
+/// Fills an array by `get`.
+pub(crate) fn fill<T: Element + Copy>(
+    what: &str,
+    array: &Bound<'_, PyArrayDyn<T>>,
+    get: impl FnOnce(&mut [T]) -> PyResult<()>,
+) -> PyResult<()> {
+    contiguous(what, array.as_untyped())?;
+    let shares = shares(array.as_untyped());
+    let mut array = array.try_readwrite().map_err(|why| match why {
+        BorrowError::NotWriteable => fault(format!("{what}: the array is read-only: give another one")),
+        _ => fault(format!("{what}: somebody else uses the array: give another one")),
+    })?;
+    let numbers = array.as_slice_mut()?;
+    if !shares {
+        return get(numbers);
+    }
+    let mut copy = numbers.to_vec();
+    get(&mut copy)?;
+    numbers.copy_from_slice(&copy);
+    Ok(())
 }
 
 fn read<'py, T: Element>(what: &str, array: &Bound<'py, PyArrayDyn<T>>) -> PyResult<PyReadonlyArrayDyn<'py, T>> {

@@ -4,9 +4,10 @@
 //! wrong with a call is an exception at once.
 
 use crate::arrays::{self, Given};
-use crate::callback::Callback;
+use crate::callback::{Callback, Raised};
 use crate::engine::Engine;
 use crate::failure::{fault, raised};
+use crate::lender::Lender;
 use numpy::PyUntypedArray;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -15,18 +16,13 @@ use vesper::prelude::DynLaw;
 use vesper::registry::Options;
 use vesper_c::session::{Assembly as Parts, NumberType};
 
-/// An array that is lent as a column.
-pub(crate) struct Lender {
-    pub(crate) domain: String,
-    pub(crate) property: String,
-    pub(crate) array: Py<PyUntypedArray>,
-}
-
 /// What was given so far.
 struct Draft {
     parts: Parts,
     lenders: Vec<Lender>,
     callbacks: Vec<Arc<Callback>>,
+    /// Where all of them put their exceptions.
+    raised: Arc<Raised>,
 }
 
 /// An engine that is being put together.
@@ -51,17 +47,27 @@ impl Assembly {
     }
 
     /// The engine.
-    pub(crate) fn build(&self) -> PyResult<Engine> {
-        let Some(Draft { parts, lenders, callbacks }) = self.draft()?.take() else {
+    pub(crate) fn build(&self, py: Python<'_>) -> PyResult<Engine> {
+        let Some(Draft { parts, lenders, callbacks, raised: laws }) = self.draft()?.take() else {
             return Err(fault("the engine is built already"));
         };
-        // Memory that was lent outlives what uses it: the session goes first where this fails.
-        let mut session = parts.build().map_err(raised)?;
+        lenders.iter().try_for_each(|lender| lender.check(py))?;
+        // Memory that was lent outlives what uses it: the session goes first where this fails. Laws may be run, by other threads.
+        let session = py.detach(|| parts.build());
+        if let Some(error) = laws.take() {
+            return Err(error);
+        }
+        let mut session = session.map_err(raised)?;
         if !callbacks.is_empty() {
             session.trace_blow_ups(true);
         }
-        Ok(Engine::new(session, lenders, callbacks))
+        Ok(Engine::new(py, session, lenders, callbacks, laws))
     }
+}
+
+/// A property's name without the unit that may stand behind it.
+pub(crate) fn bare(property: &str) -> &str {
+    property.split('[').next().unwrap_or_default().trim()
 }
 
 /// A name, and how many numbers a row has where nobody knows.
@@ -77,7 +83,7 @@ impl Assembly {
             other => return Err(fault(format!("no precision is named `{other}`: take \"f32\" or \"f64\""))),
         };
         let parts = Parts::new(precision).map_err(raised)?;
-        let draft = Draft { parts, lenders: Vec::new(), callbacks: Vec::new() };
+        let draft = Draft { parts, lenders: Vec::new(), callbacks: Vec::new(), raised: Arc::default() };
         Ok(Assembly { draft: Mutex::new(Some(draft)), precision })
     }
 
@@ -103,17 +109,22 @@ impl Assembly {
     fn lend(&self, domain: &str, property: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<()> {
         let memory = arrays::memory(&format!("{domain}.{property}"), self.precision, array)?;
         self.with(|draft| {
-            let name = property.split('[').next().unwrap_or_default().trim().to_owned();
+            let lender = Lender::new(domain, bare(property).to_owned(), array)?;
             // SAFETY: the array is kept with the assembly, and then with the engine, so that its numbers stay; Python's lock, or
             // the care of whoever releases it, keeps others from writing them meanwhile, as for all arrays of numpy.
             unsafe { draft.parts.lend(domain, property, memory) }.map_err(raised)?;
-            draft.lenders.push(Lender { domain: domain.to_owned(), property: name, array: array.clone().unbind() });
+            draft.lenders.push(lender);
             Ok(())
         })
     }
 
     fn link(&self, domain: &str, property: &str, target: &str, rows: Vec<u32>) -> PyResult<()> {
         self.with(|draft| draft.parts.link(domain, property, target, &rows).map_err(raised))
+    }
+
+    /// A folder with modules of laws; it comes before laws that need it.
+    fn laws_from(&self, folder: PathBuf) -> PyResult<()> {
+        self.with(|draft| draft.parts.laws_from(&folder).map_err(raised))
     }
 
     #[pyo3(signature = (name, text = ""))]
@@ -162,7 +173,7 @@ impl Assembly {
                     other => return Err(fault(format!("a law does not {other}: it adds, sets, rates or amends"))),
                 };
             }
-            let callback = Arc::new(Callback::new(function, given, widths));
+            let callback = Arc::new(Callback::new(function, given, widths, draft.raised.clone()));
             draft.callbacks.push(callback.clone());
             let law = law.whole(move |given, results| callback.call(given, results));
             draft.parts.made_law(law, Options { domain, label, every, required: true, ..Options::default() });

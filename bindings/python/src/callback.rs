@@ -7,16 +7,27 @@ use numpy::{IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 use pyo3::{PyTraverseError, PyVisit};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The function, and the exception that it raised.
+/// The first exception that laws of an engine raised since somebody asked: no law is called until then.
+#[derive(Debug, Default)]
+pub(crate) struct Raised(Mutex<Option<PyErr>>);
+
+impl Raised {
+    /// The exception, which is over then.
+    pub(crate) fn take(&self) -> Option<PyErr> {
+        locked(&self.0).take()
+    }
+}
+
+/// The function, and where its exceptions go.
 pub(crate) struct Callback {
     function: Mutex<Option<Py<PyAny>>>,
     /// For each array that it takes, the numbers in a row; and whether it is a constant of the scene, of one row.
     inputs: Vec<(usize, bool)>,
     /// For each array that it gives, the numbers in a row.
     outputs: Vec<usize>,
-    raised: Mutex<Option<PyErr>>,
+    raised: Arc<Raised>,
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -24,25 +35,26 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Callback {
-    pub(crate) fn new(function: Py<PyAny>, inputs: Vec<(usize, bool)>, outputs: Vec<usize>) -> Self {
-        Callback { function: Mutex::new(Some(function)), inputs, outputs, raised: Mutex::new(None) }
+    pub(crate) fn new(
+        function: Py<PyAny>,
+        inputs: Vec<(usize, bool)>,
+        outputs: Vec<usize>,
+        raised: Arc<Raised>,
+    ) -> Self {
+        Callback { function: Mutex::new(Some(function)), inputs, outputs, raised }
     }
 
-    /// The exception since this was last asked.
-    pub(crate) fn raised(&self) -> Option<PyErr> {
-        locked(&self.raised).take()
-    }
-
-    /// What the function gives. After an exception it is not called until somebody asks for the exception, and its results are
-    /// NaN: the engine goes back to where the call began.
+    /// What the function gives. After an exception of any law none is called until somebody asks for the exception, and results are
+    /// NaN: they end the call where they move something.
     pub(crate) fn call(&self, given: &[Vec<f64>], results: &mut [Vec<f64>]) {
-        let failed = locked(&self.raised).is_some();
+        let failed = locked(&self.raised.0).is_some();
         let done = if failed { None } else { Python::try_attach(|py| self.called(py, given, results)) };
         if let Some(Ok(())) = done {
             return;
         }
         if let Some(Err(error)) = done {
-            *locked(&self.raised) = Some(error);
+            // Of laws that ran at once, on several threads, the first one is told.
+            locked(&self.raised.0).get_or_insert(error);
         }
         results.iter_mut().for_each(|numbers| numbers.fill(f64::NAN));
     }

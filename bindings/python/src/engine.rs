@@ -4,52 +4,18 @@
 //! engine that is at work; memory that moves under an array.
 
 use crate::arrays::{self, Given};
-use crate::assembly::Lender;
-use crate::callback::Callback;
+use crate::assembly::bare;
+use crate::callback::{Callback, Raised};
+use crate::drive::Pace;
 use crate::failure::{fault, raised};
-use crate::hold::Hold;
-use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArray};
+use crate::hold::{Hold, Looks};
+use crate::lender::Lender;
+use numpy::{PyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use pyo3::{PyTraverseError, PyVisit};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
-use vesper_c::session::{NumberType, Numbers, NumbersMut, Session, View, Words};
-
-/// How many arrays look into an engine, and which columns may be written through them.
-#[derive(Debug, Default)]
-pub(crate) struct Looks {
-    count: AtomicUsize,
-    writing: AtomicUsize,
-    written: Mutex<Vec<(String, String)>>,
-    /// Rows, laws or observers changed: columns move when the engine follows, which it has to before somebody looks.
-    stale: AtomicBool,
-}
-
-impl Looks {
-    fn written(&self) -> MutexGuard<'_, Vec<(String, String)>> {
-        self.written.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    pub(crate) fn begin(&self, written: Option<&(String, String)>) {
-        self.count.fetch_add(1, Ordering::Relaxed);
-        if let Some(column) = written {
-            self.writing.fetch_add(1, Ordering::Relaxed);
-            self.written().push(column.clone());
-        }
-    }
-
-    pub(crate) fn end(&self, written: Option<&(String, String)>) {
-        self.count.fetch_sub(1, Ordering::Relaxed);
-        if let Some(column) = written {
-            self.writing.fetch_sub(1, Ordering::Relaxed);
-            let mut all = self.written();
-            if let Some(place) = all.iter().position(|other| other == column) {
-                all.swap_remove(place);
-            }
-        }
-    }
-}
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use vesper_c::session::{NumberType, Numbers, NumbersMut, Session, Trouble, View, Words};
 
 /// An engine that runs. The package's class `Engine` puts it together.
 #[pyclass(frozen, subclass, module = "vesper._vesper")]
@@ -59,17 +25,27 @@ pub(crate) struct Engine {
     /// Arrays that are lent.
     lenders: Vec<Lender>,
     callbacks: Vec<Arc<Callback>>,
+    /// What laws of Python raised.
+    laws: Arc<Raised>,
+    pace: Pace,
 }
 
 impl Engine {
-    pub(crate) fn new(session: Session, lenders: Vec<Lender>, callbacks: Vec<Arc<Callback>>) -> Self {
-        let looks = Looks { stale: AtomicBool::new(true), ..Looks::default() };
-        Engine { session: Mutex::new(session), looks, lenders, callbacks }
+    pub(crate) fn new(
+        py: Python<'_>,
+        session: Session,
+        lenders: Vec<Lender>,
+        callbacks: Vec<Arc<Callback>>,
+        laws: Arc<Raised>,
+    ) -> Self {
+        let lent = lenders.iter().map(|lender| lender.array(py).len()).sum();
+        let pace = Pace::new(&session, lent, !callbacks.is_empty());
+        Engine { session: Mutex::new(session), looks: Looks::default(), lenders, callbacks, laws, pace }
     }
 
     /// The session, unless somebody uses it.
     #[inline]
-    fn session(&self) -> PyResult<MutexGuard<'_, Session>> {
+    fn entered(&self) -> PyResult<MutexGuard<'_, Session>> {
         match self.session.try_lock() {
             Ok(session) => Ok(session),
             Err(TryLockError::WouldBlock) => {
@@ -81,57 +57,96 @@ impl Engine {
         }
     }
 
-    /// The session, to change where columns are.
-    fn session_to_move(&self, what: &str) -> PyResult<MutexGuard<'_, Session>> {
-        let looking = self.looks.count.load(Ordering::Relaxed);
-        if looking > 0 {
-            let arrays = if looking == 1 { "1 array looks" } else { &format!("{looking} arrays look") };
-            let text =
-                format!("{what} would move columns that {arrays} at in place: delete them (del), or work with copies");
-            return Err(fault(text));
+    /// The session, for a call that may look at lent memory.
+    fn session(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Session>> {
+        let session = self.entered()?;
+        self.check(py)?;
+        Ok(session)
+    }
+
+    /// Looks whether all lent memory is where it was.
+    #[inline]
+    fn check(&self, py: Python<'_>) -> PyResult<()> {
+        self.lenders.iter().try_for_each(|lender| lender.check(py))
+    }
+
+    /// A fault where somebody looks at columns that a call moves.
+    fn unless_seen(&self, what: &str, why: &str) -> PyResult<()> {
+        let looking = self.looks.count();
+        if looking == 0 {
+            return Ok(());
         }
-        let session = self.session()?;
-        self.looks.stale.store(true, Ordering::Relaxed);
+        let arrays = if looking == 1 { "1 array looks" } else { &format!("{looking} arrays look") };
+        let text =
+            format!("{what} would move columns that {arrays} at in place{why}: delete them (del), or work with copies");
+        Err(fault(text))
+    }
+
+    /// The session, to change where columns are.
+    fn session_to_move(&self, py: Python<'_>, what: &str) -> PyResult<MutexGuard<'_, Session>> {
+        self.unless_seen(what, "")?;
+        self.session(py)
+    }
+
+    /// The session, for a call that follows what changed: that moves columns, where a law failed in the last call.
+    #[inline]
+    fn session_to_follow(&self, what: &str) -> PyResult<MutexGuard<'_, Session>> {
+        let session = self.entered()?;
+        if self.looks.count() > 0 && !session.is_settled() {
+            self.unless_seen(what, ", since laws changed or failed")?;
+        }
+        Ok(session)
+    }
+
+    /// The session, to take steps.
+    #[inline]
+    fn session_to_step(&self) -> PyResult<MutexGuard<'_, Session>> {
+        let mut session = self.session_to_follow("a step")?;
+        if self.looks.writes() {
+            for (domain, property) in self.looks.written().iter() {
+                session.column_to_change(domain, property).map_err(raised)?;
+            }
+        }
         Ok(session)
     }
 
     /// The session, after it has followed what changed: columns stay where they are until rows, laws or observers change again.
     fn settled(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Session>> {
-        let stale = &self.looks.stale;
-        loop {
-            let session = self.session()?;
-            if !stale.load(Ordering::Relaxed) {
-                return Ok(session);
-            }
-            drop(session);
-            self.run(py, |session| session.refresh().inspect(|()| stale.store(false, Ordering::Relaxed)))?;
+        let mut session = self.session_to_follow("a look at a column")?;
+        if !session.is_settled() {
+            self.call(py, &mut session, Session::refresh)?;
         }
+        Ok(session)
     }
 
-    /// Runs a call that takes steps, while other threads of Python run, too.
+    /// Runs a call that may evaluate laws. Other threads of Python run meanwhile, among them those of the engine, for laws of Python.
     #[inline]
-    fn run(
+    fn call<T: Send>(
         &self,
         py: Python<'_>,
-        call: impl FnOnce(&mut Session) -> Result<(), vesper_c::session::Trouble> + Send,
-    ) -> PyResult<()> {
-        let mut session = self.session()?;
-        if self.looks.writing.load(Ordering::Relaxed) > 0 {
-            for (domain, property) in self.looks.written().iter() {
-                session.column_to_change(domain, property).map_err(raised)?;
-            }
-        }
-        let session = &mut *session;
+        session: &mut Session,
+        call: impl FnOnce(&mut Session) -> Result<T, Trouble> + Send,
+    ) -> PyResult<T> {
+        self.check(py)?;
         let done = py.detach(|| call(session));
-        match self.callbacks.iter().find_map(|callback| callback.raised()) {
-            Some(error) => Err(error),
-            None => done.map_err(raised),
+        if !self.callbacks.is_empty()
+            && let Some(error) = self.laws.take()
+        {
+            session.begin_anew();
+            return Err(error);
         }
+        done.map_err(raised)
+    }
+
+    /// What the engine has to say.
+    fn words(&self, py: Python<'_>, what: &str, words: Words) -> PyResult<String> {
+        let mut session = self.session_to_follow(what)?;
+        self.call(py, &mut session, |session| session.words(words))
     }
 
     /// The array that is lent as this column.
     fn lender(&self, domain: &str, property: &str) -> Option<&Lender> {
-        self.lenders.iter().find(|lender| lender.domain == domain && lender.property == property)
+        self.lenders.iter().find(|lender| lender.domain == domain && lender.property == bare(property))
     }
 
     fn view<'py>(
@@ -141,11 +156,17 @@ impl Engine {
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = this.py();
         let mut session = this.get().settled(py)?;
+        if session.moving_origin() == Some(bare(property)) {
+            return Err(fault(format!(
+                "{domain}.{property} is measured from an origin that moves with it, which is not seen in place: take \
+                 engine.get(\"{domain}\", \"{property}\"), and change it by engine[\"{domain}\", \"{property}\"] = .."
+            )));
+        }
         let view =
             if writeable { session.column_to_change(domain, property) } else { session.column(domain, property) };
         let view = view.map_err(raised)?;
         if let Some(lender) = this.get().lender(domain, property) {
-            return Ok(lender.array.bind(py).clone().into_any());
+            return Ok(lender.array(py).clone().into_any());
         }
         let components = if view.numbers == NumberType::Rows { 1 } else { view.width };
         let mut arrays = Vec::with_capacity(components);
@@ -165,7 +186,7 @@ impl Engine {
     }
 
     fn look(&self, domain: &str, property: &str) -> PyResult<View> {
-        self.session()?.column(domain, property).map_err(raised)
+        self.entered()?.column(domain, bare(property)).map_err(raised)
     }
 }
 
@@ -173,39 +194,41 @@ impl Engine {
 impl Engine {
     /// The engine that was put together.
     #[new]
-    fn made(assembly: &crate::assembly::Assembly) -> PyResult<Self> {
-        assembly.build()
+    fn made(py: Python<'_>, assembly: &crate::assembly::Assembly) -> PyResult<Self> {
+        assembly.build(py)
     }
 
     /// Takes `count` steps of `step` s.
     #[pyo3(signature = (count, step, /))]
     fn step(&self, py: Python<'_>, count: u64, step: f64) -> PyResult<()> {
-        self.run(py, |session| session.step(count, step))
+        let session = &mut *self.session_to_step()?;
+        self.pace.steps(py, count, |_, count| self.call(py, session, |session| session.step(count, step)))
     }
 
     /// Goes on by `frame` s: by as many steps of the set length as fit, the rest is carried to the next frame; without a set
     /// step by one step.
     #[pyo3(signature = (frame, /))]
     fn advance(&self, py: Python<'_>, frame: f64) -> PyResult<()> {
-        self.run(py, |session| session.advance(frame))
+        let session = &mut *self.session_to_step()?;
+        self.pace.frame(py, frame, |frame| self.call(py, session, |session| session.advance(frame)))
     }
 
     /// The time, in s.
     #[getter]
     fn time(&self) -> PyResult<f64> {
-        Ok(self.session()?.time())
+        Ok(self.entered()?.time())
     }
 
     /// Steps taken.
     #[getter]
     fn steps(&self) -> PyResult<u64> {
-        Ok(self.session()?.steps())
+        Ok(self.entered()?.steps())
     }
 
     /// "f32" or "f64".
     #[getter]
     fn precision(&self) -> PyResult<&'static str> {
-        Ok(self.session()?.precision().name())
+        Ok(self.entered()?.precision().name())
     }
 
     /// A column in place, to look at.
@@ -240,31 +263,38 @@ impl Engine {
         self.look(domain, property).map(|view| view.numbers.name())
     }
 
-    /// Copies all numbers of a column into a new array.
-    fn copy_to(&self, domain: &str, property: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<()> {
-        let session = self.session()?;
-        let busy = |_| fault(format!("{domain}.{property}: somebody else uses the array: give another one"));
+    /// Copies all numbers of a column into an array of that many, row after row.
+    fn copy_to(&self, py: Python<'_>, domain: &str, property: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<()> {
+        let session = self.session(py)?;
+        let what = format!("{domain}.{property}");
         let get = |numbers: NumbersMut<'_>| session.get(domain, property, numbers).map_err(raised);
         if let Ok(array) = array.cast::<PyArrayDyn<f64>>() {
-            return get(NumbersMut::F64(array.try_readwrite().map_err(busy)?.as_slice_mut()?));
+            return arrays::fill(&what, array, |numbers| get(NumbersMut::F64(numbers)));
         }
         if let Ok(array) = array.cast::<PyArrayDyn<f32>>() {
-            return get(NumbersMut::F32(array.try_readwrite().map_err(busy)?.as_slice_mut()?));
+            return arrays::fill(&what, array, |numbers| get(NumbersMut::F32(numbers)));
         }
         match array.cast::<PyArrayDyn<u32>>() {
-            Ok(array) => get(NumbersMut::Rows(array.try_readwrite().map_err(busy)?.as_slice_mut()?)),
-            Err(_) => Err(fault(format!("{domain}.{property}: ask for float64, float32, or uint32 for a link"))),
+            Ok(array) => arrays::fill(&what, array, |numbers| get(NumbersMut::Rows(numbers))),
+            Err(_) => Err(fault(format!("{what}: ask for float64, float32, or uint32 for a link"))),
         }
     }
 
     /// Changes all numbers of a column.
-    fn copy_from(&self, domain: &str, property: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<()> {
+    fn copy_from(
+        &self,
+        py: Python<'_>,
+        domain: &str,
+        property: &str,
+        array: &Bound<'_, PyUntypedArray>,
+    ) -> PyResult<()> {
+        let mut session = self.session(py)?;
         let given = Given::new(&format!("{domain}.{property}"), array)?;
-        self.session()?.set(domain, property, given.numbers()?).map_err(raised)
+        session.set(domain, property, given.numbers()?).map_err(raised)
     }
 
     /// Adds rows behind the last: an array for each property.
-    fn append(&self, domain: &str, rows: usize, columns: &Bound<'_, PyDict>) -> PyResult<()> {
+    fn append(&self, py: Python<'_>, domain: &str, rows: usize, columns: &Bound<'_, PyDict>) -> PyResult<()> {
         let mut named: Vec<(String, Given<'_>)> = Vec::new();
         for (name, array) in columns {
             let name: String = name.extract()?;
@@ -273,52 +303,55 @@ impl Engine {
         }
         let columns = named.iter().map(|(name, given)| Ok((name.as_str(), given.numbers()?)));
         let columns: Vec<(&str, Numbers<'_>)> = columns.collect::<PyResult<_>>()?;
-        self.session_to_move("adding rows")?.add_rows(domain, rows, &columns).map_err(raised)
+        self.session_to_move(py, "adding rows")?.add_rows(domain, rows, &columns).map_err(raised)
     }
 
     /// Removes rows, and with them rows that link to them; later rows move up.
-    fn remove_rows(&self, domain: &str, rows: Vec<u32>) -> PyResult<()> {
-        self.session_to_move("removing rows")?.remove_rows(domain, &rows).map_err(raised)
+    fn remove_rows(&self, py: Python<'_>, domain: &str, rows: Vec<u32>) -> PyResult<()> {
+        self.session_to_move(py, "removing rows")?.remove_rows(domain, &rows).map_err(raised)
     }
 
     /// Switches a law on or off, by its label, or else its name.
     #[pyo3(signature = (law, on = true))]
-    fn enable(&self, law: &str, on: bool) -> PyResult<()> {
-        self.session_to_move("switching a law")?.enable(law, on).map_err(raised)
+    fn enable(&self, py: Python<'_>, law: &str, on: bool) -> PyResult<()> {
+        self.session_to_move(py, "switching a law")?.enable(law, on).map_err(raised)
     }
 
     /// Looks at a property that laws compute, from now on.
-    fn observe(&self, domain: &str, property: &str) -> PyResult<()> {
-        self.session_to_move("observing one more column")?.observe(domain, property).map_err(raised)
+    fn observe(&self, py: Python<'_>, domain: &str, property: &str) -> PyResult<()> {
+        let mut session = self.session_to_move(py, "observing one more column")?;
+        self.call(py, &mut session, |session| session.observe(domain, property))
     }
 
     /// Which laws run, which do not, and why; what nobody uses.
-    fn report(&self) -> PyResult<String> {
-        self.session_to_move("a report")?.words(Words::Report).map_err(raised)
+    fn report(&self, py: Python<'_>) -> PyResult<String> {
+        self.words(py, "a report", Words::Report)
     }
 
     /// The order of the laws, merged passes, and what moves where.
-    fn explain(&self) -> PyResult<String> {
-        self.session_to_move("an explanation")?.words(Words::Explain).map_err(raised)
+    fn explain(&self, py: Python<'_>) -> PyResult<String> {
+        self.words(py, "an explanation", Words::Explain)
     }
 
     /// The graph of the laws in the language of Graphviz.
-    fn dot(&self) -> PyResult<String> {
-        self.session_to_move("a graph")?.words(Words::Dot).map_err(raised)
+    fn dot(&self, py: Python<'_>) -> PyResult<String> {
+        self.words(py, "a graph", Words::Dot)
     }
 
     /// The complete state, as text.
-    fn checkpoint(&self) -> PyResult<String> {
-        self.session()?.words(Words::Checkpoint).map_err(raised)
+    fn checkpoint(&self, py: Python<'_>) -> PyResult<String> {
+        let mut session = self.entered()?;
+        self.call(py, &mut session, |session| session.words(Words::Checkpoint))
     }
 
     /// Goes on from a checkpoint of an engine that was put together alike.
-    fn restore(&self, checkpoint: &str) -> PyResult<()> {
-        self.session_to_move("going back to a checkpoint")?.restore(checkpoint).map_err(raised)
+    fn restore(&self, py: Python<'_>, checkpoint: &str) -> PyResult<()> {
+        let mut session = self.session_to_move(py, "going back to a checkpoint")?;
+        self.call(py, &mut session, |session| session.restore(checkpoint))
     }
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
-        self.lenders.iter().try_for_each(|lender| visit.call(&lender.array))?;
+        self.lenders.iter().try_for_each(|lender| lender.traverse(&visit))?;
         self.callbacks.iter().try_for_each(|callback| callback.traverse(&visit))
     }
 

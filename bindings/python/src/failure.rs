@@ -13,7 +13,13 @@ create_exception!(
     PyException,
     "What was described or asked for does not fit. The text says who, what, where, and what to do, for every fault."
 );
-create_exception!(vesper, StepFault, Fault, "A step could not be taken, or numbers became infinite or NaN.");
+create_exception!(
+    vesper,
+    StepFault,
+    Fault,
+    "A step could not be taken, or numbers became infinite or NaN; or a law of a module failed in a step, which was taken without it. \
+     `engine.steps` says how far it came."
+);
 
 /// The exception for a trouble.
 pub(crate) fn raised(trouble: Trouble) -> PyErr {

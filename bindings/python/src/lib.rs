@@ -6,9 +6,11 @@
 mod arrays;
 mod assembly;
 mod callback;
+mod drive;
 mod engine;
 mod failure;
 mod hold;
+mod lender;
 
 use pyo3::prelude::*;
 

@@ -142,3 +142,29 @@ name = "uniform_gravity"
     with pytest.raises(vesper.Fault, match=r"scene:\d+:\d+"):
         vesper.Engine.from_scene(scene.replace("uniform_gravity", "uniform_gravitee"))
     assert "uniform_gravity" in engine.report() and "digraph" in engine.dot() and engine.explain()
+
+
+def test_one_law_with_parameters_is_a_law(two):
+    engine = two(laws=("gravity", {"g": 2.0}))
+    assert "gravity" in engine.report()
+    with pytest.raises(vesper.Fault, match="did you mean `softening`"):
+        two(laws=("gravity", {"softning": 2.0}))
+    # Two laws, the second of which has a name, are two.
+    assert "motion" in two(laws=("gravity", {"name": "motion"})).report()
+
+
+def test_any_mapping_is_a_table(two, bodies):
+    from types import MappingProxyType
+
+    bodies = MappingProxyType(bodies)
+    laws = ["motion", ("gravity", MappingProxyType({"g": 1.0})), MappingProxyType({"name": "gravity", "label": "twice"})]
+    integrator = MappingProxyType({"name": "dormand_prince_8", "rtol": 1e-9})
+    engine = vesper.Engine(domains=MappingProxyType({"bodies": bodies}), laws=laws, integrator=integrator)
+    assert "twice" in engine.report()
+
+
+def test_scenes_make_engines_of_the_class_that_is_asked():
+    class Mine(vesper.Engine):
+        pass
+
+    assert type(Mine.from_scene("[engine]\nstep = 1.0\n")) is Mine

@@ -4,7 +4,7 @@
 //! goes on into C.
 
 use super::declare::constants;
-use crate::session::Trouble;
+use crate::session::{Trouble, panicked};
 use core::ffi::c_char;
 use std::any::Any;
 use std::cell::RefCell;
@@ -50,9 +50,7 @@ impl Failure {
     /// A panic, in the words of whoever panicked.
     #[cold]
     pub(super) fn panic(payload: &(dyn Any + Send)) -> Self {
-        let said = payload.downcast_ref::<&str>().copied();
-        let said = said.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("without a word");
-        Failure::new(VESPER_ERROR_PANIC, format!("a mistake inside of vesper, or of a law: panicked: {said}"))
+        Failure::new(VESPER_ERROR_PANIC, panicked(payload))
     }
 }
 

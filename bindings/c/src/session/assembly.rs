@@ -224,6 +224,12 @@ impl Session {
         either!(self, run => run.refresh())
     }
 
+    /// Lets the integrator begin anew with the next step, as after a change of the state: what it remembers of a call that broke may
+    /// be of no use, a step of no length that it tried last.
+    pub fn begin_anew(&mut self) {
+        either!(self, run => run.begin_anew());
+    }
+
     /// Whether columns are where the next step finds them: [`Session::refresh`] says when they move, a law that failed moves them, too.
     pub fn is_settled(&self) -> bool {
         either!(self, run => run.is_settled())
@@ -251,6 +257,18 @@ impl Session {
     /// Steps taken.
     pub fn steps(&self) -> u64 {
         either!(self, run => run.steps())
+    }
+
+    /// The step that [`Session::advance`] divides a frame into, in s; none where each frame is one step, as with integrators that choose
+    /// their own.
+    pub fn fixed_step(&self) -> Option<f64> {
+        either!(self, run => run.fixed_step())
+    }
+
+    /// The property whose columns are measured from an origin that moves with them: what [`Session::get`] and [`Session::set`] put
+    /// right, and whoever looks at a column in place does not see.
+    pub fn moving_origin(&self) -> Option<&'static str> {
+        either!(self, run => run.settings.moving)
     }
 
     /// Where a column's numbers are, to look at; good until the next call that is not a look.

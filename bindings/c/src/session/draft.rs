@@ -5,7 +5,7 @@
 
 use super::lending::{LentColumn, OfWidth, Taken, overlap};
 use super::names::{self, Named};
-use super::run::Run;
+use super::run::{Run, Settings};
 use super::{Memory, Numbers, Trouble, texts};
 use core::ptr::NonNull;
 use std::path::Path;
@@ -274,7 +274,8 @@ impl<P: Precision> Draft<P> {
             }
         }
         awake(engine.report())?;
-        Ok(Run::new(engine, self.lent))
+        let settings = self.scenes.iter().fold(Settings::default(), Settings::and);
+        Ok(Run::new(engine, self.lent, settings))
     }
 }
 

@@ -36,5 +36,5 @@ pub use assembly::{Assembly, Session};
 pub use lending::is_lent;
 pub use numbers::{Memory, NumberType, Numbers, NumbersMut};
 pub use run::Words;
-pub use trouble::Trouble;
+pub use trouble::{Trouble, panicked};
 pub use view::View;

@@ -3,8 +3,10 @@
 use super::lending::LentColumn;
 use super::{NumberType, Trouble, View, names};
 use vesper::prelude::*;
+use vesper_cli::assemble::integrators::is_adaptive;
 use vesper_cli::assemble::properties;
 use vesper_cli::output::checkpoint;
+use vesper_cli::scene::Scene;
 
 /// Something that an engine can say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +26,30 @@ pub enum Words {
 pub struct Run<P: Precision> {
     pub(super) engine: Engine<P>,
     pub(super) lent: Vec<LentColumn<P>>,
+    pub(super) settings: Settings,
+}
+
+/// What was asked for when an engine was built, which it does not say itself.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Settings {
+    /// The step, in s.
+    pub(super) step: Option<f64>,
+    /// The property that is measured from an origin which moves.
+    pub(super) moving: Option<&'static str>,
+}
+
+impl Settings {
+    /// Takes over what a scene sets, as [`assemble::extended`](vesper_cli::assemble::extended) does.
+    pub(super) fn and(self, scene: &Scene) -> Self {
+        let engine = &scene.engine;
+        let adaptive = engine.integrator.as_ref().is_some_and(|choice| is_adaptive(&choice.name.value));
+        let step = engine.step.as_ref().or(engine.frame.as_ref().filter(|_| !adaptive));
+        let moves = engine.moving_origin.as_ref().is_some_and(|moving| moving.value);
+        Settings {
+            step: step.map(|step| step.value).or(self.step),
+            moving: moves.then_some(Position::NAME).or(self.moving),
+        }
+    }
 }
 
 /// A fault of a step.
@@ -33,8 +59,8 @@ fn in_step(faults: Faults) -> Trouble {
 }
 
 impl<P: Precision> Run<P> {
-    pub(super) fn new(engine: Engine<P>, lent: Vec<LentColumn<P>>) -> Self {
-        Run { engine, lent }
+    pub(super) fn new(engine: Engine<P>, lent: Vec<LentColumn<P>>, settings: Settings) -> Self {
+        Run { engine, lent, settings }
     }
 
     /// The engine itself, for whoever speaks Rust.
@@ -56,8 +82,17 @@ impl<P: Precision> Run<P> {
         Ok(self.engine.refresh().map(|_| ())?)
     }
 
+    pub(super) fn begin_anew(&mut self) {
+        _ = self.engine.state_mut();
+    }
+
     pub(super) fn is_settled(&self) -> bool {
         self.engine.is_settled()
+    }
+
+    pub(super) fn fixed_step(&self) -> Option<f64> {
+        // What is adaptive begins with it, and takes each frame as one step.
+        self.settings.step.filter(|_| !self.engine.integrator().is_adaptive())
     }
 
     pub(super) fn trace_blow_ups(&mut self, on: bool) {

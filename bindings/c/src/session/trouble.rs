@@ -1,5 +1,6 @@
 //! What went wrong, for whoever speaks another language: what kind of thing, and the whole text.
 
+use std::any::Any;
 use vesper::prelude::{Fault, Faults};
 use vesper_cli::fault::SceneFault;
 
@@ -10,7 +11,7 @@ pub enum Trouble {
     Argument(String),
     /// What was described or asked for does not fit the rest: all faults, a line or a few for each.
     Fault(String),
-    /// A step could not be taken, or its numbers are none.
+    /// A step could not be taken, or its numbers are none; or a law of a module failed in it, and it was taken without that law.
     Run(String),
 }
 
@@ -25,6 +26,14 @@ impl Trouble {
     pub(super) fn fault(text: impl Into<String>) -> Trouble {
         Trouble::Fault(text.into())
     }
+}
+
+/// What is said of a panic, in the words of whoever panicked.
+#[cold]
+pub fn panicked(payload: &(dyn Any + Send)) -> String {
+    let said = payload.downcast_ref::<&str>().copied();
+    let said = said.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("without a word");
+    format!("a mistake inside of vesper, or of a law: panicked: {said}")
 }
 
 impl core::fmt::Display for Trouble {

@@ -4,7 +4,6 @@ import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.nio.file.Path;
 import java.util.ArrayList;
-import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.function.Function;
@@ -19,10 +18,6 @@ import java.util.function.Function;
  * Arrays are interleaved: all numbers of the first row, then those of the second. They are copied when they are given.
  */
 public final class Builder {
-    static {
-        Library.load();
-    }
-
     /** One call, repeated on the native half when the engine is built. */
     private interface Part {
         void add(long assembly);
@@ -30,10 +25,12 @@ public final class Builder {
 
     private final Precision precision;
     private final List<Part> parts = new ArrayList<>();
-    private final Map<List<String>, ByteBuffer> lent = new HashMap<>();
+    /** All buffers that were ever lent here, whatever their names: the engine has their addresses. */
+    private final List<Held.Lent> lent = new ArrayList<>();
     private boolean built;
 
     Builder(Precision precision) {
+        Library.load();
         this.precision = precision == null ? Precision.F64 : precision;
     }
 
@@ -66,8 +63,11 @@ public final class Builder {
         if (why != null) {
             return fault(domain + "." + property + " cannot be lent: " + why);
         }
-        lent.put(Held.key(domain, property), buffer);
-        return with(assembly -> nativeLend(assembly, precision == Precision.F32, domain, property, buffer));
+        synchronized (this) {
+            with(assembly -> nativeLend(assembly, precision == Precision.F32, domain, property, buffer));
+            lent.add(new Held.Lent(domain, property, buffer));
+        }
+        return this;
     }
 
     /** Why a buffer cannot be lent; null if it can. */
@@ -98,6 +98,15 @@ public final class Builder {
         return column("scene", name, values);
     }
 
+    /**
+     * Looks for modules of laws in this folder, before those of VESPER_LAW_PATH; it comes before laws that need it. The code of a
+     * module runs in this process: whoever put it there is trusted.
+     */
+    public Builder lawsFrom(Path folder) {
+        String where = folder == null ? null : folder.toString();
+        return with(assembly -> nativeLawsFrom(assembly, where));
+    }
+
     /** Adds a stock law with its own parameters; {@code vesper laws} lists them. */
     public Builder law(String law) {
         return law(law, "");
@@ -110,7 +119,7 @@ public final class Builder {
 
     /**
      * Adds a law with parameters as a scene says them, {@code "softening = 1e3, label = 'pull'"}; one of a module of laws by
-     * {@code "module = 'wings'"}, which is found in the folders of the environment variable VESPER_LAW_PATH.
+     * {@code "module = 'wings'"}, which is found in a folder of {@link #lawsFrom}, or of the environment variable VESPER_LAW_PATH.
      */
     public Builder law(String law, String parameters) {
         return with(assembly -> nativeLaw(assembly, law, parameters));
@@ -160,8 +169,11 @@ public final class Builder {
 
     /** Checks everything, orders the laws, and makes the engine, which belongs to this thread. Throws all that went wrong. */
     public Engine build() {
-        usable();
-        built = true;
+        synchronized (this) {
+            // Of two threads that build at once one does, and nothing is added any more.
+            usable();
+            built = true;
+        }
         long assembly = nativeBegin(precision == Precision.F32);
         try {
             for (Part part : parts) {
@@ -174,7 +186,7 @@ public final class Builder {
         return new Engine(nativeBuild(assembly), precision, lent);
     }
 
-    private Builder with(Part part) {
+    private synchronized Builder with(Part part) {
         usable();
         parts.add(part);
         return this;
@@ -213,6 +225,8 @@ public final class Builder {
     private native void nativeLend(long assembly, boolean single, String domain, String property, ByteBuffer buffer);
 
     private native void nativeLink(long assembly, String domain, String property, String target, int[] rows);
+
+    private native void nativeLawsFrom(long assembly, String folder);
 
     private native void nativeLaw(long assembly, String law, String parameters);
 

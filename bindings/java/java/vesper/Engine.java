@@ -17,15 +17,11 @@ import java.util.Map;
  * threads at once.
  */
 public final class Engine implements AutoCloseable {
-    static {
-        Library.load();
-    }
-
     private final Held held;
     private final Cleaner.Cleanable cleanable;
     private final Precision precision;
 
-    Engine(long handle, Precision precision, Map<List<String>, ByteBuffer> lent) {
+    Engine(long handle, Precision precision, List<Held.Lent> lent) {
         this.held = new Held(handle, lent);
         this.cleanable = held.whenGone(this);
         this.precision = precision;
@@ -49,11 +45,6 @@ public final class Engine implements AutoCloseable {
     /** What it computes in. */
     public Precision precision() {
         return precision;
-    }
-
-    /** Takes a step of {@code step} s. */
-    public void step(double step) {
-        nativeStep(held.handle(), 1, step);
     }
 
     /** Takes {@code count} steps of {@code step} s. */
@@ -90,7 +81,10 @@ public final class Engine implements AutoCloseable {
         return into;
     }
 
-    /** The same, into a direct buffer in the order of the machine, in the precision of the engine. */
+    /**
+     * The same, into a direct buffer in the order of the machine, in the precision of the engine. The whole buffer is meant, from 0
+     * to its capacity, and holds just as many numbers; its position and limit do not count, and stay.
+     */
     public ByteBuffer get(String domain, String property, ByteBuffer into) {
         long handle = held.handle();
         if (into != null && (!into.isDirect() || into.isReadOnly() || into.order() != ByteOrder.nativeOrder())) {

@@ -4,9 +4,8 @@ import java.lang.invoke.MethodHandles;
 import java.lang.invoke.VarHandle;
 import java.lang.ref.Cleaner;
 import java.nio.ByteBuffer;
-import java.util.Arrays;
+import java.util.ArrayList;
 import java.util.List;
-import java.util.Map;
 
 /**
  * A native engine: its handle, the thread that has it, and the buffers lent to it.
@@ -29,16 +28,19 @@ final class Held implements Runnable {
         }
     }
 
-    /** Buffers by domain and property. Holding them is what keeps their memory. */
-    private final Map<List<String>, ByteBuffer> lent;
+    /** A buffer and the column that it was lent for, as it was called. */
+    record Lent(String domain, String property, ByteBuffer buffer) {}
+
+    /** All buffers whose addresses the engine may have. Holding them is what keeps their memory, until the engine is freed. */
+    private final List<Lent> lent;
     /** 0 when closed; changed by the owner only, or when nobody is left to be one. */
     private volatile long handle;
     /** Null while nobody has it: the next thread that calls does then. */
     private volatile Thread owner = Thread.currentThread();
 
-    Held(long handle, Map<List<String>, ByteBuffer> lent) {
+    Held(long handle, List<Lent> lent) {
         this.handle = handle;
-        this.lent = lent;
+        this.lent = new ArrayList<>(lent);
     }
 
     /** Sees to it that the engine is freed when {@code of} is gone, if nobody closes it before. */
@@ -81,14 +83,35 @@ final class Held implements Runnable {
         owner = null;
     }
 
+    /** The buffer that was lent for a column; null if none was. */
     ByteBuffer lent(String domain, String property) {
-        return lent.get(key(domain, property));
+        for (Lent each : lent) {
+            if (each.domain.equals(domain) && name(each.property).equals(name(property))) {
+                return each.buffer;
+            }
+        }
+        return null;
     }
 
-    /** Under what a buffer is found: without the unit that may stand behind the property. */
-    static List<String> key(String domain, String property) {
-        String name = property == null ? null : property.split("\\[", 2)[0].trim();
-        return Arrays.asList(domain, name);
+    /** What the native half takes for a property's name: without the unit behind it, and without what Rust takes for blanks. */
+    private static String name(String property) {
+        if (property == null) {
+            return "";
+        }
+        int end = property.indexOf('[') < 0 ? property.length() : property.indexOf('[');
+        int begin = 0;
+        while (begin < end && isBlank(property.charAt(begin))) {
+            begin++;
+        }
+        while (end > begin && isBlank(property.charAt(end - 1))) {
+            end--;
+        }
+        return property.substring(begin, end);
+    }
+
+    /** Neither {@code trim} nor {@code strip} has these: they take control characters for blanks, with which there are other names. */
+    private static boolean isBlank(char letter) {
+        return Character.isSpaceChar(letter) || letter >= '\t' && letter <= '\r' || letter == '\u0085';
     }
 
     /** Frees the engine, once: called by its owner, or by the cleaner when no thread can call any more. */

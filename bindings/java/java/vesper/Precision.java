@@ -5,10 +5,5 @@ public enum Precision {
     /** {@code float}. */
     F32,
     /** {@code double}. */
-    F64;
-
-    /** Bytes of a number. */
-    public int bytes() {
-        return this == F32 ? Float.BYTES : Double.BYTES;
-    }
+    F64
 }

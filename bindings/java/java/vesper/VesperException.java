@@ -13,7 +13,10 @@ public final class VesperException extends RuntimeException {
         ARGUMENT,
         /** What was described or asked for does not fit: names, units, lengths, laws. */
         FAULT,
-        /** A step could not be taken, or numbers became infinite or NaN. */
+        /**
+         * A step could not be taken, or numbers became infinite or NaN; or a law of a module failed in a step, which was taken without
+         * it. {@link Engine#steps} says how far it came.
+         */
         RUN,
         /** The engine is closed, or the builder has built already. */
         CLOSED,

@@ -7,6 +7,7 @@
  *
  * <p>A {@link vesper.Builder} becomes an {@link vesper.Engine}; what goes wrong is a {@link vesper.VesperException}.
  * Numbers are in SI units, where no other one is named. The native library is the file that the system property
- * {@code vesper.library} names, or {@code vesper_java} on {@code java.library.path}.
+ * {@code vesper.library} names, or {@code vesper_java} on {@code java.library.path}. What it has to say goes to the
+ * {@link java.lang.System.Logger} {@code "vesper"}, up to the level that this has when an engine is begun.
  */
 package vesper;

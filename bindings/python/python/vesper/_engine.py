@@ -2,6 +2,8 @@
 
 import os
 import re
+from collections.abc import Mapping
+from difflib import get_close_matches
 from pathlib import Path
 from typing import NamedTuple
 
@@ -37,16 +39,21 @@ class Engine(_Engine):
         integrator=None,
         scene=None,
         folder=None,
+        laws_from=(),
         **settings,
     ):
         assembly = Assembly(precision)
+        for place in [laws_from] if isinstance(laws_from, (str, os.PathLike)) else laws_from:
+            assembly.laws_from(Path(place))
         if scene is not None:
             assembly.scene(scene, Path(folder or "."))
-        for name, columns in (domains or {}).items():
+        domains = domains or {}
+        for name, columns in domains.items():
             _add_domain(assembly, name, columns)
-        for name, columns in (domains or {}).items():
+        lent = _lent(lend, domains)
+        for name, columns in domains.items():
             for key, values in columns.items():
-                _add_column(assembly, (name, key), values, columns, _lends(lend, name, key))
+                _add_column(assembly, (name, key), values, columns, _place(name, key) in lent)
         for key, number in (constants or {}).items():
             assembly.column("scene", key, _numbers(f"constant {key}", number))
         for each in _each_law(laws):
@@ -80,7 +87,7 @@ class Engine(_Engine):
         what = f"{domain}.{property}"
         numbers = _numbers(what, values)
         shape = (rows,) if width == 1 else (rows, width)
-        try:
+        try:  # Anything of another shape is copied here; what overlaps the column is copied by `copy_from`.
             numbers = np.broadcast_to(numbers, shape)
         except ValueError:
             raise Fault(f"{what} has shape {shape}, and not {numbers.shape}") from None
@@ -102,7 +109,7 @@ class Engine(_Engine):
 
 
 def _add_domain(assembly, name, columns):
-    if not isinstance(columns, dict):
+    if not isinstance(columns, Mapping):
         raise Fault(f"domain {name} is a {type(columns).__name__}: give a dict of columns")
     assembly.domain(name, _rows_of(name, columns))
 
@@ -120,10 +127,34 @@ def _rows_of(name, columns):
     return next(iter(found), 1)
 
 
-def _lends(lend, domain, key):
+def _place(domain, key):
+    """A column's name without the unit that may stand behind it."""
+    return f"{domain}.{key.split('[')[0].strip()}"
+
+
+def _lent(lend, domains):
+    """The columns that are lent: all arrays, or those that are named, each of which is there."""
+    if lend is False:
+        return set()
+    given = {_place(name, key): values for name, columns in domains.items() for key, values in columns.items()}
+    arrays = {place for place, values in given.items() if isinstance(values, np.ndarray) and values.ndim}
     if isinstance(lend, (bool, np.bool_)):
-        return bool(lend)
-    return f"{domain}.{key}" in lend
+        return arrays if lend else set()
+    lent, faults = set(), []
+    for each in [lend] if isinstance(lend, str) else lend:
+        place = _place(*each.split(".", 1)) if isinstance(each, str) and "." in each else each
+        if place in arrays:
+            lent.add(place)
+        elif place in given:
+            what = "a link" if isinstance(given[place], Link) else f"a {type(given[place]).__name__}"
+            faults.append(f"{place} cannot be lent: it is {what}: give an array of numpy, or have it copied")
+        else:
+            near = get_close_matches(str(place), given, n=1, cutoff=0)
+            mend = f"did you mean {near[0]}?" if near else "no domain has a column"
+            faults.append(f"{each!r} cannot be lent: no column is named so; {mend}")
+    if faults:
+        raise Fault("\n".join(faults))
+    return lent
 
 
 def _add_column(assembly, place, values, columns, lends):
@@ -131,7 +162,7 @@ def _add_column(assembly, place, values, columns, lends):
     what = f"{domain}.{key}"
     if isinstance(values, Link):
         assembly.link(domain, key, values.target, _link(what, values.rows).ravel().tolist())
-    elif lends and isinstance(values, np.ndarray) and values.ndim:
+    elif lends:
         assembly.lend(domain, key, values)
     else:
         numbers = _numbers(what, values)
@@ -176,7 +207,13 @@ def _link(what, rows):
 
 
 def _each_law(laws):
-    return [laws] if isinstance(laws, (str, Law, dict)) else laws
+    """One law, or several. A name and a table, which has no name of its own, are one law."""
+    one = isinstance(laws, (str, Law, Mapping)) or _is_named(laws) and "name" not in laws[1]
+    return [laws] if one else laws
+
+
+def _is_named(given):
+    return isinstance(given, tuple) and len(given) == 2 and isinstance(given[0], str) and isinstance(given[1], Mapping)
 
 
 def _add_law(assembly, given):
@@ -185,10 +222,10 @@ def _add_law(assembly, given):
         given.add_to(assembly)
     elif isinstance(given, str):
         assembly.law(given)
-    elif isinstance(given, dict) and "name" in given:
+    elif isinstance(given, Mapping) and "name" in given:
         parameters = {key: each for key, each in given.items() if key != "name"}
         assembly.law(given["name"], _toml.pairs(f"law {given['name']}", parameters))
-    elif isinstance(given, tuple) and len(given) == 2 and isinstance(given[1], dict):
+    elif _is_named(given):
         assembly.law(given[0], _toml.pairs(f"law {given[0]}", given[1]))
     else:
         raise Fault(f"a law is {given!r}: give its name, a dict with `name` and parameters, or a function under @vesper.law(..)")

@@ -1,5 +1,7 @@
 """Values of Python in the language of scenes, which is TOML."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ._vesper import Fault
@@ -15,7 +17,7 @@ def value(what, given):
         return repr(float(given))
     if isinstance(given, str):
         return text(given)
-    if isinstance(given, dict):
+    if isinstance(given, Mapping):
         return "{ " + pairs(what, given) + " }"
     if isinstance(given, (list, tuple, np.ndarray)):
         return "[" + ", ".join(value(what, each) for each in given) + "]"
