@@ -68,7 +68,10 @@ fn list() -> String {
 }
 
 fn describe(text: &mut String, law: &Signature) -> fmt::Result {
-    writeln!(text, "{}\n", law.name)?;
+    writeln!(text, "{}", law.name)?;
+    if !law.doc.is_empty() {
+        writeln!(text)?;
+    }
     for line in law.doc.lines() {
         writeln!(text, "{}", if line.is_empty() { String::new() } else { format!("  {line}") })?;
     }
@@ -88,7 +91,9 @@ fn describe(text: &mut String, law: &Signature) -> fmt::Result {
     writeln!(text, "\nparameters")?;
     for parameter in law.parameters {
         let unit = if parameter.unit.is_empty() { String::new() } else { format!(" [{}]", parameter.unit) };
-        writeln!(text, "  {}{unit}, {}: {}", parameter.name, default(parameter), parameter.doc.trim())?;
+        let doc = parameter.doc.trim();
+        let doc = if doc.is_empty() { String::new() } else { format!(": {doc}") };
+        writeln!(text, "  {}{unit}, {}{doc}", parameter.name, default(parameter))?;
     }
     Ok(())
 }
