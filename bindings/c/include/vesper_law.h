@@ -159,9 +159,6 @@ typedef struct vesper_law {
     size_t state_size;
     int32_t (*save)(void *self, void *to);
     int32_t (*load)(void *self, const void *from);
-    /* NULL: for laws of Vesper's own making. */
-    int32_t (*native_rows_f32)(void *self, const void *call, uint32_t isa);
-    int32_t (*native_rows_f64)(void *self, const void *call, uint32_t isa);
 } vesper_law;
 
 /* What a module exports. */

@@ -113,6 +113,7 @@ impl Engine {
     /// The session, after it has followed what changed: columns stay where they are until rows, laws or observers change again.
     fn settled(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Session>> {
         let mut session = self.session_to_follow("a look at a column")?;
+        self.check(py)?;
         if !session.is_settled() {
             self.call(py, &mut session, Session::refresh)?;
         }
@@ -185,8 +186,8 @@ impl Engine {
         }
     }
 
-    fn look(&self, domain: &str, property: &str) -> PyResult<View> {
-        self.entered()?.column(domain, bare(property)).map_err(raised)
+    fn look(&self, py: Python<'_>, domain: &str, property: &str) -> PyResult<View> {
+        self.session(py)?.column(domain, bare(property)).map_err(raised)
     }
 }
 
@@ -254,13 +255,13 @@ impl Engine {
     }
 
     /// How many values a column has, and how many numbers each.
-    fn shape(&self, domain: &str, property: &str) -> PyResult<(usize, usize)> {
-        self.look(domain, property).map(|view| (view.rows, view.width))
+    fn shape(&self, py: Python<'_>, domain: &str, property: &str) -> PyResult<(usize, usize)> {
+        self.look(py, domain, property).map(|view| (view.rows, view.width))
     }
 
     /// The type of the numbers of a column: "f32", "f64", or "u32" for a link.
-    fn kind(&self, domain: &str, property: &str) -> PyResult<&'static str> {
-        self.look(domain, property).map(|view| view.numbers.name())
+    fn kind(&self, py: Python<'_>, domain: &str, property: &str) -> PyResult<&'static str> {
+        self.look(py, domain, property).map(|view| view.numbers.name())
     }
 
     /// Copies all numbers of a column into an array of that many, row after row.

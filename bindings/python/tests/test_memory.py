@@ -157,6 +157,11 @@ def test_lent_memory_that_was_resized_is_not_touched(two, bodies, shrinks):
         lambda: engine.checkpoint(),
         lambda: engine.report(),
         lambda: engine.observe("bodies", "force"),
+        lambda: engine["bodies", "position"],
+        lambda: engine.writable("bodies", "position"),
+        lambda: engine.rows("bodies", "position"),
+        lambda: engine.shape("bodies", "position"),
+        lambda: engine.kind("bodies", "position"),
     ]
     for call in calls:
         with pytest.raises(vesper.Fault, match="bodies.position is lent, and the array was resized since"):

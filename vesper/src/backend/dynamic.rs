@@ -39,11 +39,6 @@ struct Closure {
 }
 
 impl<P: Scalar> RowKernel<P> for Closure {
-    #[cfg(feature = "modules")]
-    fn lent(&self) -> super::LentRows {
-        super::lent_rows::<P, Self>
-    }
-
     #[cfg(feature = "gpu")]
     fn trace(&self, _there: u64) -> Option<super::gpu::Trace> {
         None

@@ -7,12 +7,12 @@
 
 mod column;
 mod dynamic;
+#[cfg(feature = "modules")]
+mod entry;
 mod far;
 mod foreign;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-#[cfg(feature = "modules")]
-mod lent;
 mod link;
 mod near;
 mod pair;
@@ -30,10 +30,10 @@ pub use row::row;
 pub(crate) use column::ColumnKernel;
 #[cfg(feature = "modules")]
 pub(crate) use dynamic::by_differences;
+#[cfg(feature = "modules")]
+pub(crate) use entry::{Entries, RowFunction};
 pub(crate) use far::{Accuracy, Effort, Far, Parts, pays as far_pays};
 pub(crate) use foreign::Foreign;
-#[cfg(feature = "modules")]
-pub(crate) use lent::{Lent, LentRows, lent_rows};
 pub(crate) use link::{LinkCall, LinkKernel, Links, Strided};
 pub(crate) use near::{Lists, Reach as ListReach, Unfit};
 pub(crate) use pair::{

@@ -110,9 +110,11 @@ pub(crate) trait RowKernel<P>: Send + Sync {
     /// # Safety
     /// As for `run`.
     unsafe fn energy(&self, call: &RowCall<'_, P>) -> Option<f64>;
-    /// What a host that was compiled apart calls for this kernel.
+    /// What a host that was compiled apart calls for this kernel, where it may.
     #[cfg(feature = "modules")]
-    fn lent(&self) -> super::LentRows;
+    fn entry(&self) -> Option<super::RowFunction> {
+        None
+    }
     /// The body, recorded, where those components are there whose bits are set; none of a body that is not generic in its numbers.
     #[cfg(feature = "gpu")]
     fn trace(&self, there: u64) -> Option<Trace>;
@@ -205,8 +207,8 @@ impl<P: Scalar, F: RowFamily> RowKernel<P> for F {
     }
 
     #[cfg(feature = "modules")]
-    fn lent(&self) -> super::LentRows {
-        super::lent_rows::<P, F>
+    fn entry(&self) -> Option<super::RowFunction> {
+        super::entry::row_function::<P, F>()
     }
 
     #[cfg(feature = "gpu")]

@@ -9,7 +9,7 @@ use core::ffi::{c_char, c_void};
 pub const VERSION: u32 = 1;
 /// The module's one symbol, a function that returns its table.
 pub const SYMBOL: &str = "vesper_module_v1";
-/// The layout of [`Native`], and of a call of rows as the framework's own loops have it: a module and a host that differ in it do without.
+/// The layout of [`Native`], of a call of rows as the framework's own loops have it, and of what `create` makes: a module and a host that differ in it do without.
 pub const NATIVE: u32 = 2;
 
 /// Numbers of single precision: a bit of [`Law::precisions`].
@@ -139,11 +139,6 @@ pub struct Law {
     pub save: Option<unsafe extern "C" fn(*mut c_void, *mut c_void) -> i32>,
     /// Reads it.
     pub load: Option<unsafe extern "C" fn(*mut c_void, *const c_void) -> i32>,
-    /// Of laws of rows that say [`Law::native`], computes a call as the framework's own loops have it, in numbers of single precision and
-    /// in these instructions (see [`Native::isa`]); null for others.
-    pub native_rows_f32: Option<unsafe extern "C" fn(*mut c_void, *const c_void, u32) -> i32>,
-    /// The same in double precision.
-    pub native_rows_f64: Option<unsafe extern "C" fn(*mut c_void, *const c_void, u32) -> i32>,
 }
 
 /// What a law may ask of its host. It lives as long as the law.
@@ -210,3 +205,24 @@ pub struct Native {
 pub const FIRST: u32 = 1;
 /// Estimates are allowed.
 pub const ESTIMATES: u32 = 2;
+
+/// What crosses as it is, where module and host agree on [`NATIVE`]: whoever changes one of these counts it up.
+const _: () = {
+    use crate::backend::{AHEAD, RowCall};
+    use crate::law::Part;
+    use crate::real::{Isa, MAX_WIDTH};
+    use core::mem::offset_of;
+    assert!(NATIVE == 2 && AHEAD == 2 && MAX_WIDTH == 16);
+    assert!(Part::All as u32 == 0 && Part::Coordinates as u32 == 1 && Part::Momenta as u32 == 2);
+    assert!(Isa::Scalar.number() == 0 && Isa::Baseline.number() == 1);
+    if usize::BITS == 64 {
+        type Call = RowCall<'static, f64>;
+        let places =
+            [offset_of!(Call, slots), offset_of!(Call, uniform), offset_of!(Call, rows), offset_of!(Call, part)];
+        assert!(places[0] == 0 && places[1] == 16 && places[2] == 24 && places[3] == 32);
+        let places =
+            [offset_of!(Call, advance), offset_of!(Call, drift), offset_of!(Call, first), offset_of!(Call, ahead)];
+        assert!(places[0] == 40 && places[1] == 56 && places[2] == 72 && places[3] == 80 && size_of::<Call>() == 96);
+        assert!(size_of::<RowCall<'static, f32>>() == 72);
+    }
+};

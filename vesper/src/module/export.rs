@@ -4,7 +4,7 @@
 //! host.
 
 use super::abi;
-use crate::backend::{Compile, Compiled, Kernel, Lent, LentRows, LinkCall, Links, PairCall, RowCall, Strided};
+use crate::backend::{Compile, Compiled, Entries, Kernel, LinkCall, Links, PairCall, RowCall, Strided};
 use crate::law::{ColumnAccess, Law, MAX_SLOTS, Mode, Part, Place, Port, PortView};
 use crate::property::Role;
 use crate::real::Scalar;
@@ -13,7 +13,6 @@ use core::ffi::{c_char, c_void};
 use core::sync::atomic::{AtomicPtr, Ordering};
 use std::ffi::CString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
 
 /// Makes a module of laws: a library that a host finds by name and loads at run time. Stands once in a crate of type `cdylib`, which
 /// is built with the feature `modules` of vesper; the laws are as any others, so that the same crate can also be used as it is.
@@ -158,8 +157,6 @@ pub fn exported<L: Law + Compile>() -> abi::Law {
         state_size: 0,
         save: None,
         load: None,
-        native_rows_f32: lent(&L::from_parameters(&[]).compile_f32()),
-        native_rows_f64: lent(&compiled),
     }
 }
 
@@ -206,7 +203,7 @@ fn port(of: &Port) -> abi::Port {
 #[repr(C)]
 struct Made {
     /// What the host looks at itself: it comes first.
-    lent: Lent,
+    entries: Entries,
     single: Compiled<f32>,
     double: Compiled<f64>,
     /// Numbers that it touches.
@@ -214,20 +211,13 @@ struct Made {
     host: Host,
 }
 
-/// The kernel of a law of rows; null for another.
-fn rows_of<P: Scalar>(compiled: &Compiled<P>) -> *const c_void {
-    if let Kernel::Row(kernel) = &compiled.kernel { Arc::as_ptr(kernel).cast() } else { core::ptr::null() }
-}
-
-/// What a host calls for a law of rows.
-fn lent<P: Scalar>(compiled: &Compiled<P>) -> Option<LentRows> {
-    if let Kernel::Row(kernel) = &compiled.kernel { Some(kernel.lent()) } else { None }
-}
-
 /// A kernel of rows panicked.
-fn rows_panicked(lent: &Lent, panic: &(dyn Any + Send)) -> i32 {
-    // SAFETY: a host has it as the beginning of what `create` made.
-    panicked(unsafe { (*core::ptr::from_ref(lent).cast::<Made>()).host }, panic)
+///
+/// # Safety
+/// `create` made `this`.
+unsafe fn rows_panicked(this: *mut c_void, panic: &(dyn Any + Send)) -> i32 {
+    // SAFETY: passed on to the caller.
+    panicked(unsafe { (*this.cast::<Made>()).host }, panic)
 }
 
 /// Whom to tell.
@@ -311,8 +301,8 @@ unsafe extern "C" fn create<L: Law + Compile>(
         let law = L::from_parameters(given);
         let slots = L::SIGNATURE.ports.iter().map(|port| port.property.kind.width()).sum();
         let (single, double) = (law.compile_f32(), law.compile_f64());
-        let lent = Lent::new([rows_of(&single), rows_of(&double)], rows_panicked);
-        let made = Made { lent, single, double, slots, host: Host(host) };
+        let entries = Entries::new(&single.kernel, &double.kernel, rows_panicked);
+        let made = Made { entries, single, double, slots, host: Host(host) };
         // SAFETY: the host has a place for it.
         unsafe { *to = Box::into_raw(Box::new(made)).cast() };
         Ok(())
@@ -451,7 +441,7 @@ unsafe fn run<P: Scalar>(compiled: &Compiled<P>, made: &Made, call: &abi::Call) 
     // SAFETY: passed on to the caller.
     unsafe {
         let taken = Taken::new(made, call);
-        let isa = made.lent.isa(taken.native.map_or(0, |native| native.isa));
+        let isa = made.entries.isa(taken.native.map_or(0, |native| native.isa));
         match &compiled.kernel {
             Kernel::Row(kernel) => row_call(&taken, call, |call| kernel.run(isa, call)),
             Kernel::Pair(kernel) => kernel.run(isa, &pair_call(&taken, call)),

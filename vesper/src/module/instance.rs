@@ -5,9 +5,8 @@
 
 use super::abi;
 use super::declared::Declared;
-use super::numbers::precision;
 use super::trial;
-use crate::backend::{Foreign, LentRows, RowCall};
+use crate::backend::{Entries, Foreign, RowCall, RowFunction};
 use crate::law::{Place, Port};
 use crate::real::Isa;
 use core::cell::RefCell;
@@ -169,14 +168,12 @@ impl Instance {
     }
 
     /// What computes rows as the framework's own loops do, of a law that was made by [`export_laws!`](crate::export_laws).
-    pub(super) fn native_rows<P>(&self) -> Option<LentRows> {
-        let table = &self.declared.table;
-        let rows = match precision::<P>() {
-            abi::F32 => table.native_rows_f32,
-            abi::F64 => table.native_rows_f64,
-            _ => None,
-        };
-        rows.filter(|_| table.native == abi::NATIVE)
+    pub(super) fn native_rows<P>(&self) -> Option<RowFunction> {
+        if self.declared.table.native != abi::NATIVE || self.this.is_null() {
+            return None;
+        }
+        // SAFETY: what such a law's `create` makes begins so.
+        unsafe { Entries::rows_of::<P>(self.this) }
     }
 
     /// Calls the law with rows as the framework's own loops have them; whether it did what it should.
@@ -184,7 +181,7 @@ impl Instance {
     /// # Safety
     /// As for `call`; `rows` is the law's in the precision of `call`.
     #[inline(always)]
-    pub(super) unsafe fn call_rows<P>(&self, rows: LentRows, call: &RowCall<'_, P>, isa: Isa) -> bool {
+    pub(super) unsafe fn call_rows<P>(&self, rows: RowFunction, call: &RowCall<'_, P>, isa: Isa) -> bool {
         if self.has_failed() {
             return false;
         }

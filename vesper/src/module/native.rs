@@ -5,14 +5,14 @@
 
 use super::instance::Instance;
 use super::row::Rows;
-use crate::backend::{LentRows, RowCall, RowKernel, TangentCall, lent_rows};
+use crate::backend::{RowCall, RowFunction, RowKernel, TangentCall};
 use crate::real::{Isa, Scalar};
 use std::sync::Arc;
 
 /// A row law of a module, for engines of the precision that its function is of.
 pub(super) struct NativeRows {
     law: Arc<Instance>,
-    function: LentRows,
+    function: RowFunction,
     rows: Rows,
 }
 
@@ -58,10 +58,6 @@ impl<P: Scalar> RowKernel<P> for NativeRows {
     unsafe fn energy(&self, call: &RowCall<'_, P>) -> Option<f64> {
         // SAFETY: passed on to the caller.
         unsafe { self.rows.energy(call) }
-    }
-
-    fn lent(&self) -> LentRows {
-        lent_rows::<P, Self>
     }
 
     #[cfg(feature = "gpu")]

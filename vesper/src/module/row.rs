@@ -6,7 +6,7 @@
 use super::abi;
 use super::instance::{Instance, Slot};
 use super::numbers::{Numbers, no_call, numbers, precision, rounding};
-use crate::backend::{LentRows, RowCall, RowKernel, TangentCall, by_differences, lent_rows};
+use crate::backend::{RowCall, RowKernel, TangentCall, by_differences};
 use crate::law::{MAX_SLOTS, Mode, Part, Place};
 use crate::property::Role;
 use crate::real::{Isa, Scalar};
@@ -254,10 +254,6 @@ impl<P: Scalar> RowKernel<P> for Rows {
         self.law.declared.table.state_size == 0
     }
 
-    fn lent(&self) -> LentRows {
-        lent_rows::<P, Self>
-    }
-
     unsafe fn run(&self, _isa: Isa, call: &RowCall<'_, P>) {
         if self.way != Way::Plain {
             return in_numbers!(self, over_desk, call);
@@ -308,8 +304,19 @@ impl<P: Scalar> RowKernel<P> for Rows {
 
     unsafe fn energy(&self, call: &RowCall<'_, P>) -> Option<f64> {
         self.law.declared.table.energy?;
-        if self.numbers() == Numbers::Own && call.uniform == 0 {
-            let (slots, strides) = (call.slots.as_ptr().cast(), self.law.strides.as_ptr());
+        if self.numbers() == Numbers::Own {
+            // One sum over all rows, in their order, as of any law: a field that is the same in all of them stands in each.
+            let mut slots: Vec<*mut P> = call.slots.to_vec();
+            let mut fields = Vec::new();
+            for (number, slot) in slots.iter_mut().enumerate().filter(|(number, _)| call.uniform >> number & 1 == 1) {
+                // SAFETY: a uniform field has its number, but where it is absent.
+                let field = (!slot.is_null()).then(|| vec![unsafe { **slot }; call.rows]);
+                fields.extend(field);
+                if let Some(field) = fields.last_mut().filter(|_| !call.slots[number].is_null()) {
+                    *slot = field.as_mut_ptr();
+                }
+            }
+            let (slots, strides) = (slots.as_ptr().cast(), self.law.strides.as_ptr());
             let whole = abi::Call { precision: precision::<P>(), end: call.rows, slots, strides, ..no_call() };
             // SAFETY: the caller promises the slots.
             return Some(unsafe { self.law.energy(&whole) });

@@ -147,15 +147,21 @@ impl<T: Send> Table<T> {
         if slot.owner.load(Ordering::Relaxed) & BROKEN == 0 {
             return Ok(slot);
         }
+        Err(self.half_done())
+    }
+
+    #[cold]
+    fn half_done(&self) -> Failure {
         let text = format!("an earlier call left this {} half done when it panicked: free it", self.what);
-        Err(Failure::new(VESPER_ERROR_PANIC, text))
+        Failure::new(VESPER_ERROR_PANIC, text)
     }
 
     /// Takes a value away that no panic left half done: its handle is none any more, whatever comes of it.
     pub(super) fn remove_whole(&'static self, handle: u64) -> Result<Box<T>, Failure> {
-        let whole = self.whole(handle).map(|_| ());
-        let value = self.remove(handle);
-        whole.and(value)
+        let slot = self.mine(handle)?;
+        let broken = slot.owner.load(Ordering::Relaxed) & BROKEN != 0;
+        let value = self.remove(handle)?;
+        if broken { Err(self.half_done()) } else { Ok(value) }
     }
 
     /// Takes a value away: its handle is none any more.

@@ -35,13 +35,14 @@ impl<P: Precision> Run<P> {
     }
 
     pub(super) fn get(&self, domain: &str, property: &str, numbers: NumbersMut<'_>) -> Result<(), Trouble> {
+        let place = numbers.place();
         let (property, factor) = self.named(domain, property)?;
         let column = self.engine.state().column(domain, property)?;
         let (rows, width) = (column.len(), column.property().kind.width());
         let what = format!("{domain}.{property}");
         Self::as_many(&what, numbers.len(), (rows, width))?;
         let moves = self.engine.state().origin(*column.property()) != [0.0; 3];
-        let met = self.column(domain, property)?.meets(&numbers.place());
+        let met = self.column(domain, property)?.meets(&place);
         if Self::is_itself(&what, met, !moves && factor == 1.0)? {
             return Ok(());
         }

@@ -3,6 +3,7 @@
 //! listed by a program that is compiled with them.
 
 use vesper::prelude::*;
+use vesper::real::Mask as _;
 
 /// Lift of a wing: a force upwards, by the speed forwards.
 #[derive(Law, Clone, Copy, Debug)]
@@ -100,4 +101,21 @@ impl<P: Precision> ColumnLaw<P> for Level<P> {
     }
 }
 
-vesper::export_laws![Lift, Flight, Flock, Cord, Level];
+/// An updraft, which carries every bird alike. It panics where a mass is negative.
+#[derive(Law, Clone, Copy, Debug)]
+#[law(reads(mass: Mass), adds(force: Force))]
+pub struct Updraft<R = f64> {
+    /// Acceleration upwards.
+    #[law(unit = "m/s^2", default = 1.0)]
+    pub rise: R,
+}
+
+#[kernel]
+impl<R: Real> RowLaw<R> for Updraft<R> {
+    fn row(&self, bird: UpdraftRow<R>) -> R::Vec3 {
+        assert!(bird.mass.less(R::lit(0.0)).bits() == 0, "a mass is negative");
+        R::Vec3::new(R::lit(0.0), R::lit(0.0), self.rise * bird.mass)
+    }
+}
+
+vesper::export_laws![Lift, Flight, Flock, Cord, Level, Updraft];

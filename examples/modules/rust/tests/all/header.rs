@@ -67,9 +67,7 @@ fn c_and_rust_have_the_same_structures() {
                 destroy,
                 state_size,
                 save,
-                load,
-                native_rows_f32,
-                native_rows_f64
+                load
             ]
         ),
         structure!(Host, "vesper_host", [struct_size, abi, context, log]),
