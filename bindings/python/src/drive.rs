@@ -1,7 +1,7 @@
 //! Takes many steps in pieces, with a look at Python between.
 //!
 //! In: how many steps. Out: pieces of them, one after the other, until all are taken, or Python has a signal, or a piece failed.
-//! Never: a piece whose length decides what comes out, unless it is the same in every run.
+//! Never: a piece whose length decides what comes out of a call that goes well, unless it is the same in every run.
 
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -76,7 +76,7 @@ impl Record {
         }
     }
 
-    /// A run that took longer than its limit, in s. Its text says the limit, not the time, so that tables tell such runs alike.
+    /// A run that took longer than its limit, in s. Its text says the limit; how far it came is the clock's.
     pub fn given_up(ensemble: &Ensemble, run: usize, limit: f64, outcome: &Outcome) -> Self {
         Self {
             fault: Some(format!("given up after {} s", number(limit))),

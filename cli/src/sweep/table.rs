@@ -1,7 +1,7 @@
 //! The runs of a sweep as one table: comma-separated values for programs, columns of text for people.
 //!
-//! In: an ensemble, its records. Out: text that depends on nothing else: the same bytes however the runs were shared out.
-//! Never: a time of a clock.
+//! In: an ensemble, its records. Out: text that depends on nothing else: the same bytes however the runs were shared out, but for how far
+//! those came that were given up. Never: a time of a clock.
 
 use super::ensemble::Ensemble;
 use super::record::{DRIFTS, Record};

@@ -87,7 +87,7 @@ pub(super) fn row_function<P: Scalar, K: RowKernel<P>>() -> Option<RowFunction> 
     if place::<P>().is_some() { Some(run_rows::<P, K>) } else { None }
 }
 
-/// A virtual call inside of it would cost as much again (2 ns).
+/// Of one type, since a virtual call in here, and a look at the precision, took 1.5 ns of each call (`cargo bench --bench modules`).
 ///
 /// # Safety
 /// `this` begins with [`Entries`] whose kernel of this precision is a `K`; for the rest as for [`RowKernel::run`].
